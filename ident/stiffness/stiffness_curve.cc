@@ -13,10 +13,6 @@ namespace {
 
 constexpr const char* kByTension = "EI(T), tension within the bending tests";
 
-bool has_covariance(const FittedLaw& law) {
-  return law.covariance.size() > 0 && law.covariance.allFinite();
-}
-
 }  // namespace
 
 const char* name_of(StiffnessSource source) {
@@ -52,7 +48,8 @@ void StiffnessCurve::choose() {
   if (laws_.laws.empty()) return interpolate("One point gives no law.", 1);
   double total = 0;
   for (const auto& law : laws_.laws) {
-    const bool taken = law.converged && std::isfinite(law.akaike_weight) && has_covariance(law);
+    const bool taken = law.converged && std::isfinite(law.akaike_weight) &&
+                       law.covariance.size() > 0 && law.covariance.allFinite();
     weights_.push_back(taken ? law.akaike_weight : 0);
     total += weights_.back();
   }

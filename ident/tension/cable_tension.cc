@@ -118,7 +118,7 @@ CableProblem problem_of(const CableDescription& cable, const std::vector<Measure
   }
   known_to("mass per length", {"cable.mass_per_length"}, cable.mass_per_length);
   if (cable.length_m.std > 0) {
-    const double angle = cable.inclination_deg * kTwoPi / 360;
+    const double angle = angle_of(cable);
     inputs.push_back({"length",
                       {{0, "end.x", cable.length_m.std * std::cos(angle)},
                        {0, "end.y", cable.length_m.std * std::sin(angle)}}});
@@ -292,8 +292,7 @@ double zui_factor(double ratio, double string) {
 /// What follows from the tension: its course along the cable, sag, dimensionless numbers, formulas.
 void describe(const CableDescription& cable, TensionResult& result) {
   const auto& best = result.candidates.front();
-  const double L = cable.length_m.value, T = result.tension_N.value,
-               angle = cable.inclination_deg * kTwoPi / 360;
+  const double L = cable.length_m.value, T = result.tension_N.value, angle = angle_of(cable);
   const double weight = cable.mass_per_length.value * cable.gravity;
   result.sag_m = weight_across(cable) * L * L / (8 * T);
   const double rise = L * std::sin(angle), middle = rise / 2 - result.sag_m * std::cos(angle);
