@@ -4,7 +4,6 @@
 
 #include <Eigen/LU>
 
-#include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/residual_noise.h"
 
 namespace rigfit::signal {

@@ -3,7 +3,6 @@
 #include <gsl/gsl_cdf.h>
 
 #include "signal/recording/add_note.h"
-#include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/residual_noise.h"
 
 namespace rigfit::signal {

@@ -28,7 +28,6 @@
 #include "signal/numerics/low_pass.h"
 #include "signal/numerics/power_sums.h"
 #include "signal/recording/clipping.h"
-#include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/residual_noise.h"
 
 namespace rigfit::signal {
