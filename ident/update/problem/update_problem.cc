@@ -269,14 +269,22 @@ int UpdateProblem::mode_count(int state) const {
 
 UpdateStateModes UpdateProblem::modes(int state, const VectorXd& q, bool derivatives,
                                       const std::vector<UpdateMatch>* matches) const {
+  const auto asked = [&](const ModeNeed& need) {
+    if (!last_) return solved_modes(state, q, derivatives, need);
+    LastModes& last = (*last_)[2 * static_cast<std::size_t>(state) + derivatives];
+    if (last.q.size() == 0 || last.q != q || last.need != need) {
+      last = {q, need, solved_modes(state, q, derivatives, need)};
+    }
+    return last.modes;
+  };
   const ModeNeed need = need_of(state, matches);
-  UpdateStateModes result = modes_asked(state, q, derivatives, need);
+  UpdateStateModes result = asked(need);
   if (need == ModeNeed{} || !result.failure.empty()) return result;
   for (const auto& match : *matches) {
     if (match.state != state || match.cross_plane) continue;
     if (result.find(match.plane, match.order) != nullptr) continue;
     *narrow_ = false;  // such as a scene without a plane of symmetry
-    return modes_asked(state, q, derivatives, {});
+    return asked({});
   }
   return result;
 }
@@ -285,16 +293,6 @@ UpdateProblem UpdateProblem::remembering() const {
   UpdateProblem other = *this;
   other.last_ = std::make_shared<std::vector<LastModes>>(2 * states_.size());
   return other;
-}
-
-UpdateStateModes UpdateProblem::modes_asked(int state, const VectorXd& q, bool derivatives,
-                                            const ModeNeed& need) const {
-  if (!last_) return solved_modes(state, q, derivatives, need);
-  LastModes& last = (*last_)[2 * static_cast<std::size_t>(state) + derivatives];
-  if (last.q.size() == 0 || last.q != q || last.need != need) {
-    last = {q, need, solved_modes(state, q, derivatives, need)};
-  }
-  return last.modes;
 }
 
 UpdateStateModes UpdateProblem::solved_modes(int state, const VectorXd& q, bool derivatives,

@@ -226,8 +226,6 @@ class UpdateProblem {
     UpdateStateModes modes;
   };
   [[nodiscard]] ModeNeed need_of(int state, const std::vector<UpdateMatch>* matches) const;
-  [[nodiscard]] UpdateStateModes modes_asked(int state, const VectorXd& q, bool derivatives,
-                                             const ModeNeed& need) const;
   [[nodiscard]] UpdateStateModes solved_modes(int state, const VectorXd& q, bool derivatives,
                                               const ModeNeed& need) const;
   [[nodiscard]] UpdateMatches assign_state(int state, const UpdateStateModes& modelled) const;
