@@ -24,8 +24,7 @@ StiffnessCurve::StiffnessCurve(std::vector<StiffnessPoint> points,
                                const StiffnessLawOptions& options)
     : points_(std::move(points)) {
   if (points_.empty()) return;
-  std::stable_sort(points_.begin(), points_.end(),
-                   [](const auto& a, const auto& b) { return a.tension_N < b.tension_N; });
+  std::ranges::stable_sort(points_, {}, &StiffnessPoint::tension_N);
   for (auto& point : points_) {
     if (!std::isfinite(point.std) && !std::isfinite(point.low) &&
         options.assumed_relative_std > 0) {

@@ -282,9 +282,7 @@ void rank_laws(StiffnessLaws& result, std::size_t points) {
                                   close[0], laws[1].aicc - laws[0].aicc, name_of(laws[1].kind));
   } else {
     // One that could be ranked among several that could not says nothing about the choice.
-    std::stable_sort(laws.begin(), laws.end(), [](const FittedLaw& x, const FittedLaw& y) {
-      return x.rms_relative_error < y.rms_relative_error;
-    });
+    std::ranges::stable_sort(laws, {}, &FittedLaw::rms_relative_error);
     if (laws.size() > 1) {
       for (auto& law : laws) law.akaike_weight = kNaN;
     }
@@ -367,10 +365,8 @@ double tension_spread(const Ref<const VectorXd>& tension, double noise) {
 std::vector<double> change_by_tension(const std::vector<StiffnessPoint>& points) {
   std::vector<double> change(points.size(), 0.0);
   if (points.empty()) return change;
-  const auto [low, high] =
-      std::minmax_element(points.begin(), points.end(),
-                          [](const auto& a, const auto& b) { return a.tension_N < b.tension_N; });
-  if (!(high->tension_N > 1.05 * low->tension_N)) return change;
+  const auto [low, high] = std::ranges::minmax(points, {}, &StiffnessPoint::tension_N);
+  if (!(high.tension_N > 1.05 * low.tension_N)) return change;
   std::vector<double> x, y;
   for (const auto& one : points) {
     x.push_back(std::log(one.tension_N)), y.push_back(std::log(one.EI_Nm2));

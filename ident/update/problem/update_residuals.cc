@@ -77,13 +77,11 @@ UpdateProblem UpdateProblem::modes_alone() const {
 }
 
 bool UpdateProblem::has_modes() const {
-  return std::any_of(states_.begin(), states_.end(),
-                     [](const auto& state) { return !state.measured.empty(); });
+  return std::ranges::any_of(states_, [](const auto& state) { return !state.measured.empty(); });
 }
 
 bool UpdateProblem::has_frfs() const {
-  return std::any_of(states_.begin(), states_.end(),
-                     [](const auto& state) { return !state.frfs.empty(); });
+  return std::ranges::any_of(states_, [](const auto& state) { return !state.frfs.empty(); });
 }
 
 std::vector<UpdateProblem::FrequencyRow> UpdateProblem::frequency_rows(
