@@ -120,7 +120,9 @@ double EI_of_compliance(double compliance, double tension, double span, BeamEnds
   if (!(span > 0)) return 0;
   if (!(compliance > 0)) return std::numeric_limits<double>::infinity();
   if (ends != BeamEnds::tensioned || !(tension > 0)) {
-    return span * span * span / (beam_stiffness_factor(ends) * compliance);
+    // With tension the limit for tension zero.
+    const double c = ends == BeamEnds::pinned ? 48 : ends == BeamEnds::cantilever ? 3 : 192;
+    return span * span * span / (c * compliance);
   }
   const double ratio = 4 * tension * compliance / span;
   if (ratio >= 1) return 0;

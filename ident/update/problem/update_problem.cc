@@ -30,14 +30,8 @@ double scale_at_zero(const model::Scene& scene, const std::string& name) {
   return name.ends_with(".mass") && mass > 0 ? 0.01 * mass : 1;
 }
 
-}  // namespace
-
-double UpdateCoordinate::value(double q) const { return logarithmic ? std::exp(q) : q * scale; }
-double UpdateCoordinate::derivative(double q) const { return logarithmic ? std::exp(q) : scale; }
-double UpdateCoordinate::coordinate(double v) const {
-  return logarithmic ? std::log(v) : v / scale;
-}
-
+/// Whether a parameter may have any sign: coordinates of nodes, a load cell's zero, a change of
+/// temperature. Everything else in a scene is positive or zero.
 bool may_be_negative(const std::string& name) {
   if (name == "load_cell.zero" || name == "temperature_change") return true;
   const auto dot = name.rfind('.');
@@ -45,6 +39,14 @@ bool may_be_negative(const std::string& name) {
   const std::string last = name.substr(dot + 1);
   return last == "x" || last == "y" || last == "z" || last == "stretch" ||
          last.starts_with("direction_");
+}
+
+}  // namespace
+
+double UpdateCoordinate::value(double q) const { return logarithmic ? std::exp(q) : q * scale; }
+double UpdateCoordinate::derivative(double q) const { return logarithmic ? std::exp(q) : scale; }
+double UpdateCoordinate::coordinate(double v) const {
+  return logarithmic ? std::log(v) : v / scale;
 }
 
 const UpdateModelMode* UpdateStateModes::find(model::ModePlane plane, int order) const {

@@ -43,9 +43,6 @@ struct UpdateCoordinate {
   }
 };
 
-/// Whether a parameter may have any sign: coordinates of nodes, a load cell's zero, a change of
-/// temperature. Everything else in a scene is positive or zero.
-[[nodiscard]] bool may_be_negative(const std::string& name);
 /// `visibility`: response at a sensor to a load of the scene; 0: none there.
 struct UpdateModelMode : PairingMode {
   double damping_ratio = 0;

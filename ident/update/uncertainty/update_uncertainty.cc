@@ -62,6 +62,32 @@ void state_variance_factor(const UpdateProblem& problem, const VectorXd& r, Upda
   }
 }
 
+/// The larger of the covariances by modes and by states, each coordinate's variance for itself; of
+/// the whitened residuals r and J of the problem. Zero with fewer than three clusters of a kind.
+VectorXd clustered_variance(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                            const VectorXd& r, const MatrixXd& J) {
+  const auto rows = problem.frequency_rows(matches);
+  const MatrixXd bread = (J.transpose() * J).completeOrthogonalDecomposition().pseudoInverse();
+  VectorXd largest = VectorXd::Zero(J.cols());
+  const auto widen = [&](const auto& cluster_of) {
+    std::map<std::pair<int, int>, VectorXd> scores;
+    for (const auto& row : rows) {
+      const VectorXd score = J.row(row.row).transpose() * r[row.row];
+      const auto [at, first] = scores.try_emplace(cluster_of(matches[row.match]), score);
+      if (!first) at->second += score;
+    }
+    const double count = static_cast<double>(scores.size());
+    if (count < 3) return;
+    MatrixXd meat = MatrixXd::Zero(J.cols(), J.cols());
+    for (const auto& [name, score] : scores) meat += score * score.transpose();
+    const MatrixXd covariance = bread * meat * bread * (count / (count - 1));
+    largest = largest.cwiseMax(covariance.diagonal());
+  };
+  widen([](const auto& match) { return std::pair{static_cast<int>(match.plane), match.order}; });
+  widen([](const auto& match) { return std::pair{match.state, 0}; });
+  return largest;
+}
+
 }  // namespace
 
 UpdateFit misfit_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
@@ -107,30 +133,6 @@ double model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
   const double low = std::log(1e-9), high = 0;
   if (dof <= 0 || excess(low) <= 0 || excess(high) > 0) return 0;
   return std::exp(root_between(low, high, 1e-6, excess));
-}
-
-VectorXd clustered_variance(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                            const VectorXd& r, const MatrixXd& J) {
-  const auto rows = problem.frequency_rows(matches);
-  const MatrixXd bread = (J.transpose() * J).completeOrthogonalDecomposition().pseudoInverse();
-  VectorXd largest = VectorXd::Zero(J.cols());
-  const auto widen = [&](const auto& cluster_of) {
-    std::map<std::pair<int, int>, VectorXd> scores;
-    for (const auto& row : rows) {
-      const VectorXd score = J.row(row.row).transpose() * r[row.row];
-      const auto [at, first] = scores.try_emplace(cluster_of(matches[row.match]), score);
-      if (!first) at->second += score;
-    }
-    const double count = static_cast<double>(scores.size());
-    if (count < 3) return;
-    MatrixXd meat = MatrixXd::Zero(J.cols(), J.cols());
-    for (const auto& [name, score] : scores) meat += score * score.transpose();
-    const MatrixXd covariance = bread * meat * bread * (count / (count - 1));
-    largest = largest.cwiseMax(covariance.diagonal());
-  };
-  widen([](const auto& match) { return std::pair{static_cast<int>(match.plane), match.order}; });
-  widen([](const auto& match) { return std::pair{match.state, 0}; });
-  return largest;
 }
 
 void state_uncertainty(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,

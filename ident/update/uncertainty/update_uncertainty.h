@@ -42,12 +42,6 @@ inline constexpr double kUnlikelyMisfit = 0.05;
 [[nodiscard]] double model_std_of(const UpdateProblem& problem,
                                   const std::vector<UpdateMatch>& matches, const VectorXd& q);
 
-/// The larger of the covariances by modes and by states, each coordinate's variance for itself; of
-/// the whitened residuals r and J of the problem. Zero with fewer than three clusters of a kind.
-[[nodiscard]] VectorXd clustered_variance(const UpdateProblem& problem,
-                                          const std::vector<UpdateMatch>& matches,
-                                          const VectorXd& r, const MatrixXd& J);
-
 /// Fills everything in `result` that is uncertain, from its coordinates.
 void state_uncertainty(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
                        UpdateResult& result);
