@@ -2,7 +2,7 @@
 
 #include "apps/describe/sheet.h"
 #include "apps/report/drawing/html_text.h"
-#include "signal/numerics/estimate.h"
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::apps {
 namespace {

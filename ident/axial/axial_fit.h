@@ -1,6 +1,14 @@
+// Axial stiffness of a cable from the undamped frequency of a mass that hangs on it.
+//
+// The cable is an elastic rod with its own mass m L under a frame kf, above an adapter km (both
+// massless springs) and the mass M. With W = omega^2, x^2 = W m L / kc and kc = EA / L:
+//   W M = K,   1/K = 1/km + (T + r) / (kc (1 - x^2 T r)),   T = tan(x) / x,   r = kc / kf
+// (Meirovitch, Fundamentals of Vibrations, sec. 8.3). For rigid frame and adapter this is
+// kc = W (M + m L / 3) to first order in m L / M.
+//
 // EA of a cable, and a compliance in series, from the frequencies at several lengths: one problem.
 //
-// At length i the undamped frequency solves W M = K (rod_stiffness.h), where the compliance s that
+// At length i the undamped frequency solves W M = K (above), where the compliance s that
 // is not told lies above the cable with its part 1 - q and below it with its part q. Least squares
 // by Ceres over ln EA and s; hung mass, mass per length, every length, adapter, frame, the sample
 // rate and q are parameters with a prior each, so that what all lengths share is shared. All are
@@ -15,10 +23,44 @@
 
 #include <span>
 
-#include "ident/axial/rod_stiffness.h"
 #include "ident/statistics/numbers.h"
 
 namespace rigfit::ident {
+
+/// 1/K without the adapter: what gives way under the mass, from the rod's static stiffness kc, its
+/// inertia W m L and the compliance above it. Scalar: double or ceres::Jet.
+template <class T>
+T rod_compliance(const T& kc, const T& inertia, const T& above) {
+  using std::sqrt, std::tan;
+  const T q = inertia / kc;
+  T t = 1.0 + q / 3.0 + q * q * (2.0 / 15);  // next term below 1e-13 where q < 1e-4
+  if (!(q < 1e-4)) {
+    const T x = sqrt(q);
+    t = tan(x) / x;
+  }
+  const T r = kc * above;
+  return (t + r) / (kc * (1.0 - q * t * r));
+}
+
+struct RodOnMass {
+  double omega_squared = 0;         ///< undamped oscillation, 1/s^2
+  double mass_kg = 0;               ///< M
+  double mass_per_length_kg_m = 0;  ///< m; 0: massless
+  double length_m = 0;
+  double adapter_N_m = 0;  ///< km; 0: rigid
+  double frame_N_m = 0;    ///< kf; 0: rigid
+};
+
+struct RodStiffness {
+  /// kc; NaN when adapter and frame are together softer than what was measured.
+  double cable_N_m = 0;
+  double series_N_m = 0;                       ///< static, adapter and frame included
+  double by_omega_squared = 0, by_length = 0;  ///< d ln kc / d ln input
+  double misfit_by_omega_squared = 0;          ///< d ln(W M / K) / d ln W, where kc stays
+};
+
+/// Solved to rounding by Brent's method (GSL) on the frequency equation without its poles.
+[[nodiscard]] RodStiffness rod_stiffness(const RodOnMass& rod);
 
 struct AxialSetup {
   Estimate mass_kg{0, 0};               ///< hung, adapter and clamp included; one for all

@@ -2,7 +2,7 @@
 // struck, and the tension's decay gives the damped frequency wd and the damping ratio zeta.
 //
 //   omega^2 = wd^2 / (1 - zeta^2)       undamped frequency
-//   kc = EA / lc from omega, M, the cable's own mass and the adapter in series (rod_stiffness.h)
+//   kc = EA / lc from omega, M, the cable's own mass and the adapter in series (axial_fit.h)
 //   c = 2 zeta sqrt(k M)
 // Source: Jalali and Rideout 2021, axial test; their approximation of the cable's inertia is
 // replaced by the exact rod.

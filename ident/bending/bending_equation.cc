@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_qrng.h>
-#include <gsl/gsl_statistics_double.h>
 
 #include <memory>
+
+#include "signal/estimation/robust.h"
 
 namespace rigfit::ident {
 namespace {
@@ -38,7 +39,7 @@ double bending_ratio_log_derivative(double lambda) {
 bool positive_finite(double value) { return std::isfinite(value) && value > 0; }
 
 // `turning`: relative change of the compliance by one standard uncertainty of the clamps.
-std::vector<double> sorted_draws(const ComplianceMeasurement& measured, double turning) {
+std::vector<double> draws_of(const ComplianceMeasurement& measured, double turning) {
   constexpr int kDraws = 4096;
   const std::unique_ptr<gsl_qrng, void (*)(gsl_qrng*)> points(gsl_qrng_alloc(gsl_qrng_sobol, 4),
                                                               gsl_qrng_free);
@@ -55,12 +56,7 @@ std::vector<double> sorted_draws(const ComplianceMeasurement& measured, double t
         measured.tension_N.value + measured.tension_N.std * gsl_cdf_ugaussian_Pinv(u[1]),
         measured.span_m.value + measured.span_m.std * gsl_cdf_ugaussian_Pinv(u[2]), measured.ends);
   }
-  std::sort(draws.begin(), draws.end());
   return draws;
-}
-
-double quantile(const std::vector<double>& sorted, double p) {
-  return gsl_stats_quantile_from_sorted_data(sorted.data(), 1, sorted.size(), p);
 }
 
 }  // namespace
@@ -124,7 +120,9 @@ double EI_of_compliance(double compliance, double tension, double span, BeamEnds
   if (!(span > 0)) return 0;
   if (!(compliance > 0)) return std::numeric_limits<double>::infinity();
   if (ends != BeamEnds::tensioned || !(tension > 0)) {
-    return span * span * span / (beam_stiffness_factor(ends) * compliance);
+    // With tension the limit for tension zero.
+    const double c = ends == BeamEnds::pinned ? 48 : ends == BeamEnds::cantilever ? 3 : 192;
+    return span * span * span / (c * compliance);
   }
   const double ratio = 4 * tension * compliance / span;
   if (ratio >= 1) return 0;
@@ -159,9 +157,9 @@ StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& meas
   std::vector<double> draws;
   const auto draw = [&](double turning) {
     if (!interval) return;
-    draws = sorted_draws(measured, turning);
-    result.low = quantile(draws, 0.025);
-    result.high = quantile(draws, 0.975);
+    draws = draws_of(measured, turning);
+    result.low = signal::quantile(draws, 0.025);
+    result.high = signal::quantile(draws, 0.975);
   };
   if (result.ratio >= 1) {
     draw(0);
@@ -194,7 +192,8 @@ StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& meas
   draw(clamp > 0 ? clamp_compliance(result.EI_Nm2.value, tension, span, measured.ends) / clamp : 0);
   if (!interval) return result;
 
-  result.EI_Nm2.std = 0.5 * (quantile(draws, 0.841344746) - quantile(draws, 0.158655254));
+  result.EI_Nm2.std =
+      0.5 * (signal::quantile(draws, 0.841344746) - signal::quantile(draws, 0.158655254));
   if (!std::isfinite(result.high)) {
     result.status = BendingStatus::not_positive;
     result.reason = fmt::format(

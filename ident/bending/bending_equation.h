@@ -28,11 +28,6 @@ enum class BeamEnds {
   cantilever,  ///< clamped at one end, loaded at the other; the span is the length to the load
 };
 
-/// The factor c; with tension 192, the limit for tension zero.
-[[nodiscard]] constexpr double beam_stiffness_factor(BeamEnds ends) {
-  if (ends == BeamEnds::pinned) return 48;
-  return ends == BeamEnds::cantilever ? 3 : 192;
-}
 [[nodiscard]] const char* name_of(BeamEnds ends);
 
 /// F(lambda), in (0, 1), for lambda > 0; 0 at 0.

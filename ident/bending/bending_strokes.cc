@@ -19,7 +19,7 @@ double sample_noise(const VectorXd& x) {
     seconds.push_back(std::abs(x[i - 1] - 2 * x[i] + x[i + 1]));
     squares += seconds.back() * seconds.back();
   }
-  const double robust = 1.4826 * signal::median(seconds) / std::sqrt(6.0);
+  const double robust = signal::robust_std(seconds, 0) / std::sqrt(6.0);
   // A coarse converter repeats its value more often than not.
   return robust > 0 ? robust : std::sqrt(squares / static_cast<double>(seconds.size()) / 6);
 }
@@ -57,7 +57,7 @@ std::vector<Index> find_spikes(const VectorXd& x) {
     if (i >= 1 && i + 1 < n) least = std::min(least, std::abs(x[i] - 0.5 * (x[i - 1] + x[i + 1])));
     off[static_cast<std::size_t>(i)] = least;
   }
-  const double scale = 1.4826 * signal::median(off);
+  const double scale = signal::robust_std(off, 0);
   const std::vector<double> values(x.begin(), x.end());
   const double central = signal::quantile(values, 0.9) - signal::quantile(values, 0.1);
   const double limit = std::max(12 * scale, 0.05 * central);
@@ -115,7 +115,7 @@ TableStroke rows_of(const StrokeRange& run, const VectorXd& x, const VectorXd& l
     const double middle = signal::median({rest.begin(), rest.end()});
     for (const double r : rest) off.push_back(std::abs(r - middle));
   }
-  const double most = averaged ? kOffRow * 1.4826 * signal::median(off) : 0;
+  const double most = averaged ? kOffRow * signal::robust_std(off, 0) : 0;
   Index rows = 0;
   int off_here = 0;
   for (Index k = 0; k < n; ++k) {

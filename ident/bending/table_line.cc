@@ -163,7 +163,7 @@ class Table {
       const double offset = signal::median({rest.begin(), rest.end()});
       for (const double r : rest) off.push_back(std::abs(r - offset));
     }
-    const double scale = std::max(1.4826 * signal::median(off), std::sqrt(tested(0, 0)));
+    const double scale = std::max(signal::robust_std(off, 0), std::sqrt(tested(0, 0)));
     Mask mask = line_.used;
     std::size_t row = 0;
     int out = 0;

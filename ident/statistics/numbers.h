@@ -21,7 +21,6 @@
 #include <vector>
 
 #include "document/describe.h"
-#include "signal/numerics/estimate.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {

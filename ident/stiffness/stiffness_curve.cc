@@ -13,10 +13,6 @@ namespace {
 
 constexpr const char* kByTension = "EI(T), tension within the bending tests";
 
-bool has_covariance(const FittedLaw& law) {
-  return law.covariance.size() > 0 && law.covariance.allFinite();
-}
-
 }  // namespace
 
 const char* name_of(StiffnessSource source) {
@@ -28,8 +24,7 @@ StiffnessCurve::StiffnessCurve(std::vector<StiffnessPoint> points,
                                const StiffnessLawOptions& options)
     : points_(std::move(points)) {
   if (points_.empty()) return;
-  std::stable_sort(points_.begin(), points_.end(),
-                   [](const auto& a, const auto& b) { return a.tension_N < b.tension_N; });
+  std::ranges::stable_sort(points_, {}, &StiffnessPoint::tension_N);
   for (auto& point : points_) {
     if (!std::isfinite(point.std) && !std::isfinite(point.low) &&
         options.assumed_relative_std > 0) {
@@ -52,7 +47,8 @@ void StiffnessCurve::choose() {
   if (laws_.laws.empty()) return interpolate("One point gives no law.", 1);
   double total = 0;
   for (const auto& law : laws_.laws) {
-    const bool taken = law.converged && std::isfinite(law.akaike_weight) && has_covariance(law);
+    const bool taken = law.converged && std::isfinite(law.akaike_weight) &&
+                       law.covariance.size() > 0 && law.covariance.allFinite();
     weights_.push_back(taken ? law.akaike_weight : 0);
     total += weights_.back();
   }

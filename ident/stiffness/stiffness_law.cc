@@ -5,8 +5,6 @@
 #include <fmt/ranges.h>
 #include <gsl/gsl_fit.h>
 
-#include <memory>
-
 #include "ident/statistics/uncertainty.h"
 
 namespace rigfit::ident {
@@ -14,17 +12,11 @@ namespace {
 
 using Bounds = std::optional<StiffnessBounds>;
 
-double reference_tension(const std::vector<StiffnessPoint>& points) {
-  double sum = 0;
-  for (const auto& point : points) sum += std::log(point.tension_N);
-  return std::exp(sum / static_cast<double>(points.size()));
-}
-
 struct Data {
   std::vector<StiffnessPoint> points;
-  VectorXd sigma;   // std of each point by itself
-  VectorXd change;  // change of EI by one std of where the tests' tension lies
-  double reference_tension = 1;
+  VectorXd sigma;                // std of each point by itself
+  VectorXd change;               // change of EI by one std of where the tests' tension lies
+  double reference_tension = 1;  // geometric mean
   bool weighted = true;
 };
 
@@ -60,12 +52,9 @@ std::string formula_of(LawKind kind, double T0, const std::vector<double>& p) {
 /// Where the search begins; all but the saturating law are found from a level line.
 std::vector<std::vector<double>> starts(LawKind kind, const Data& data, const Bounds& bounds) {
   if (kind != LawKind::saturating) return {{data.points.front().EI_Nm2, 0}};
-  double smallest = data.points[0].EI_Nm2, largest = smallest, last = data.points[0].tension_N;
-  for (const auto& point : data.points) {
-    smallest = std::min(smallest, point.EI_Nm2);
-    largest = std::max(largest, point.EI_Nm2);
-    last = std::max(last, point.tension_N);
-  }
+  const auto [least, most] = std::ranges::minmax(data.points, {}, &StiffnessPoint::EI_Nm2);
+  const double smallest = least.EI_Nm2, largest = most.EI_Nm2;
+  const double last = std::ranges::max(data.points, {}, &StiffnessPoint::tension_N).tension_N;
   if (bounds) {
     const double low = bounds->EI_min_Nm2, high = bounds->EI_max_Nm2;
     const double share = std::clamp((largest - low) / (high - low), 1e-6, 1 - 1e-6);
@@ -113,19 +102,11 @@ struct LawResiduals {
   }
 };
 
-ceres::CostFunction* cost_of(LawKind kind, const Data& data, int parameters) {
-  auto* const cost =
-      new ceres::DynamicAutoDiffCostFunction<LawResiduals>(new LawResiduals{kind, data});
-  cost->AddParameterBlock(parameters);
-  cost->AddParameterBlock(1);
-  cost->SetNumResiduals(static_cast<int>(data.points.size()) + 1);
-  return cost;
-}
-
 Data prepare(const std::vector<StiffnessPoint>& points, const StiffnessLawOptions& options) {
   Data data;
   data.points = points;
   const auto n = static_cast<Index>(points.size());
+  double log_tensions = 0;
   data.sigma.resize(n), data.change = VectorXd::Zero(n);
   for (Index i = 0; i < n; ++i) {
     const auto& point = points[static_cast<std::size_t>(i)];
@@ -136,8 +117,9 @@ Data prepare(const std::vector<StiffnessPoint>& points, const StiffnessLawOption
     const double own = own_std(point);
     data.sigma[i] = own > 0 ? own : options.assumed_relative_std * point.EI_Nm2;
     data.weighted &= data.sigma[i] > 0;
+    log_tensions += std::log(point.tension_N);
   }
-  data.reference_tension = reference_tension(points);
+  data.reference_tension = std::exp(log_tensions / static_cast<double>(n));
   if (data.weighted) {
     const auto change = change_by_tension(points);
     data.change = Map<const VectorXd>(change.data(), n);
@@ -147,16 +129,6 @@ Data prepare(const std::vector<StiffnessPoint>& points, const StiffnessLawOption
     }
   }
   return data;
-}
-
-ceres::Solver::Options tight() {
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::DENSE_QR;
-  solver.logging_type = ceres::SILENT;
-  solver.max_num_iterations = 500;
-  solver.function_tolerance = solver.parameter_tolerance = 1e-13;
-  solver.gradient_tolerance = 1e-14;
-  return solver;
 }
 
 FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options) {
@@ -172,13 +144,24 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   for (int j = 0; j < size; ++j) {
     (law.parameters[static_cast<std::size_t>(j)].fixed ? fixed : free).push_back(j);
   }
-  const std::unique_ptr<ceres::CostFunction> cost(cost_of(kind, data, size));
+  ceres::DynamicAutoDiffCostFunction<LawResiduals> cost(new LawResiduals{kind, data});
+  cost.AddParameterBlock(size);
+  cost.AddParameterBlock(1);
+  cost.SetNumResiduals(static_cast<int>(data.points.size()) + 1);
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::DENSE_QR;
+  solver.logging_type = ceres::SILENT;
+  solver.max_num_iterations = 500;
+  solver.function_tolerance = solver.parameter_tolerance = 1e-13;
+  solver.gradient_tolerance = 1e-14;
+  ceres::Problem::Options kept;
+  kept.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   double best_cost = std::numeric_limits<double>::infinity(), best_place = 0;
   std::vector<double> best;
   for (auto start : starts(kind, data, options.bounds)) {
-    ceres::Problem problem;
+    ceres::Problem problem(kept);
     double place = 0;
-    problem.AddResidualBlock(cost_of(kind, data, size), nullptr, start.data(), &place);
+    problem.AddResidualBlock(&cost, nullptr, start.data(), &place);
     if (!fixed.empty()) {
       problem.SetManifold(start.data(), new ceres::SubsetManifold(size, fixed));
     }
@@ -188,7 +171,7 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
       if (fixed.empty()) problem.SetParameterLowerBound(start.data(), 0, 0);
     }
     ceres::Solver::Summary summary;
-    ceres::Solve(tight(), &problem, &summary);
+    ceres::Solve(solver, &problem, &summary);
     if (!summary.IsSolutionUsable() || !(summary.final_cost < best_cost)) continue;
     best_cost = summary.final_cost, best = start, best_place = place;
     law.converged = summary.termination_type == ceres::CONVERGENCE;
@@ -212,7 +195,7 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   RowMajor by_law(n + 1, size);
   const double* const at[] = {best.data(), &best_place};
   double* const by[] = {by_law.data(), by_place.data()};
-  (void)cost->Evaluate(at, residuals.data(), const_cast<double**>(by));
+  (void)cost.Evaluate(at, residuals.data(), const_cast<double**>(by));
   MatrixXd jacobian(n + 1, p + 1);
   jacobian << by_law(Eigen::all, free), by_place;
 
@@ -299,9 +282,7 @@ void rank_laws(StiffnessLaws& result, std::size_t points) {
                                   close[0], laws[1].aicc - laws[0].aicc, name_of(laws[1].kind));
   } else {
     // One that could be ranked among several that could not says nothing about the choice.
-    std::stable_sort(laws.begin(), laws.end(), [](const FittedLaw& x, const FittedLaw& y) {
-      return x.rms_relative_error < y.rms_relative_error;
-    });
+    std::ranges::stable_sort(laws, {}, &FittedLaw::rms_relative_error);
     if (laws.size() > 1) {
       for (auto& law : laws) law.akaike_weight = kNaN;
     }
@@ -384,10 +365,8 @@ double tension_spread(const Ref<const VectorXd>& tension, double noise) {
 std::vector<double> change_by_tension(const std::vector<StiffnessPoint>& points) {
   std::vector<double> change(points.size(), 0.0);
   if (points.empty()) return change;
-  const auto [low, high] =
-      std::minmax_element(points.begin(), points.end(),
-                          [](const auto& a, const auto& b) { return a.tension_N < b.tension_N; });
-  if (!(high->tension_N > 1.05 * low->tension_N)) return change;
+  const auto [low, high] = std::ranges::minmax(points, {}, &StiffnessPoint::tension_N);
+  if (!(high.tension_N > 1.05 * low.tension_N)) return change;
   std::vector<double> x, y;
   for (const auto& one : points) {
     x.push_back(std::log(one.tension_N)), y.push_back(std::log(one.EI_Nm2));

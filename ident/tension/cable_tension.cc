@@ -118,7 +118,7 @@ CableProblem problem_of(const CableDescription& cable, const std::vector<Measure
   }
   known_to("mass per length", {"cable.mass_per_length"}, cable.mass_per_length);
   if (cable.length_m.std > 0) {
-    const double angle = cable.inclination_deg * kTwoPi / 360;
+    const double angle = angle_of(cable);
     inputs.push_back({"length",
                       {{0, "end.x", cable.length_m.std * std::cos(angle)},
                        {0, "end.y", cable.length_m.std * std::sin(angle)}}});
@@ -274,8 +274,7 @@ std::vector<TensionBudgetRow> budget_of(const CandidateComparison& compared, dou
       rows.push_back({source, std::sqrt(part / sum) / factor});
     }
   }
-  std::stable_sort(rows.begin(), rows.end(),
-                   [](const auto& a, const auto& b) { return a.std_N > b.std_N; });
+  std::ranges::stable_sort(rows, std::greater(), &TensionBudgetRow::std_N);
   return rows;
 }
 
@@ -292,8 +291,7 @@ double zui_factor(double ratio, double string) {
 /// What follows from the tension: its course along the cable, sag, dimensionless numbers, formulas.
 void describe(const CableDescription& cable, TensionResult& result) {
   const auto& best = result.candidates.front();
-  const double L = cable.length_m.value, T = result.tension_N.value,
-               angle = cable.inclination_deg * kTwoPi / 360;
+  const double L = cable.length_m.value, T = result.tension_N.value, angle = angle_of(cable);
   const double weight = cable.mass_per_length.value * cable.gravity;
   result.sag_m = weight_across(cable) * L * L / (8 * T);
   const double rise = L * std::sin(angle), middle = rise / 2 - result.sag_m * std::cos(angle);
@@ -301,8 +299,8 @@ void describe(const CableDescription& cable, TensionResult& result) {
   result.end_N = T + weight * (rise - middle);
   result.irvine_parameter = irvine_parameter(cable, T);
   result.bending_parameter = L * std::sqrt(T / best.EI_Nm2.value);
-  const auto lowest = std::find_if(best.modes.begin(), best.modes.end(),
-                                   [](const auto& mode) { return mode.order > 0; });
+  const auto lowest = std::ranges::find_if(
+      best.modes, [](int order) { return order > 0; }, &TensionMode::order);
   if (lowest == best.modes.end()) return;
   // From the lowest mode, with EI: pinned exact, clamped after Zui et al. (1996) for the first
   // mode.
@@ -376,9 +374,7 @@ model::Scene cable_scene(const CableDescription& cable, CableEnds ends, double t
 }
 
 std::vector<MeasuredMode> merged_modes(std::vector<MeasuredMode> modes) {
-  std::stable_sort(modes.begin(), modes.end(), [](const auto& a, const auto& b) {
-    return a.frequency_hz.value < b.frequency_hz.value;
-  });
+  std::ranges::stable_sort(modes, {}, [](const auto& mode) { return mode.frequency_hz.value; });
   std::vector<MeasuredMode> merged;
   std::vector<double> values, variances;
   for (const auto& mode : modes) {
@@ -429,8 +425,7 @@ TensionResult identify_tension(const CableDescription& cable,
   for (const auto& one : compared.candidates) {
     result.candidates.push_back(candidate_of(cable, modes, one));
   }
-  std::stable_sort(result.candidates.begin(), result.candidates.end(),
-                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
+  std::ranges::stable_sort(result.candidates, std::greater(), &TensionCandidate::weight);
   if (!result.candidates.front().solved) {
     std::vector<const char*> tried;
     for (const auto& one : result.candidates) tried.push_back(name_of(one.ends));

@@ -31,8 +31,7 @@ void state_values(const UpdateProblem& problem, const UpdateAnswer& answer, Upda
 }
 
 // Everything in the result that follows from the answer.
-void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
-                  const UpdateAnswer& answer, UpdateResult& result) {
+void state_answer(const UpdateProblem& problem, const UpdateAnswer& answer, UpdateResult& result) {
   const auto& matches = answer.matches.matches;
   result.status = answer.converged ? UpdateStatus::converged : UpdateStatus::not_converged;
   if (!answer.converged) {
@@ -46,8 +45,8 @@ void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
     result.message += fmt::format("{} unknowns and {} data; ", problem.size(), data);
   }
   state_values(problem, answer, result);
-  state_uncertainty(problem, options, matches, result);
-  state_intervals(problem, options, matches, result);
+  state_uncertainty(problem, matches, result);
+  state_intervals(problem, matches, result);
 }
 
 // Moves the answer, pairs kept, to the minimum of `trial`, which `problem` becomes; neither moves
@@ -64,14 +63,14 @@ bool move_to(UpdateProblem trial, UpdateProblem& problem, UpdateAnswer& answer) 
 // The minimum without an error of the model (the search allows for one), with noisy lines of FRFs
 // by their difference and the error of "auto" segments taken off, anew as the parameters move;
 // then, where its misfit asks for it, the minimum with an error of the model.
-UpdateFit settle(const UpdateOptions& options, UpdateProblem& problem, UpdateAnswer& answer) {
+UpdateFit settle(UpdateProblem& problem, UpdateAnswer& answer) {
   constexpr int kPasses = 8;
   const auto& matches = answer.matches.matches;
   // What the search left is no minimum of this problem.
   if (!move_to(problem.with(&UpdateVariant::frf_differences, true), problem, answer)) {
     answer.converged = false;
   }
-  for (int pass = 0; pass < kPasses && options.segment_uncertainty; ++pass) {
+  for (int pass = 0; pass < kPasses && problem.options().segment_uncertainty; ++pass) {
     UpdateProblem resolved = problem.with_resolved_modes(answer.q);
     if (!resolved.variant().segment_errors || problem.resolved_as(resolved, matches, answer.q))
       break;
@@ -96,11 +95,11 @@ UpdateFit settle(const UpdateOptions& options, UpdateProblem& problem, UpdateAns
 // The prediction of a state from the fit of the others, whose minimum is sought from that of all,
 // so that the pairs stay; its own parameters stay as they were known before. `problem` and `answer`
 // as settled with the state in.
-HeldOut hold_out(const UpdateProblem& problem, const UpdateOptions& options,
-                 const UpdateAnswer& answer, const UpdateResult& result, int s) {
+HeldOut hold_out(const UpdateProblem& problem, const UpdateAnswer& answer,
+                 const UpdateResult& result, int s) {
   HeldOut held;
   held.state = s;
-  held.name = problem.states()[static_cast<std::size_t>(s)].name;
+  held.name = problem.state_at(s).name;
   UpdateProblem others = problem.with(&UpdateVariant::held_out, s);
   const UpdateProblem alone = problem.with(&UpdateVariant::only, s);
   UpdateAnswer rest = answer;
@@ -108,7 +107,7 @@ HeldOut hold_out(const UpdateProblem& problem, const UpdateOptions& options,
   held.status =
       move_to(others, others, rest) ? UpdateStatus::converged : UpdateStatus::not_converged;
   for (Index j = 0; j < problem.size(); ++j) {
-    const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+    const auto& coordinate = problem.coordinate_at(j);
     if (coordinate.state == s) rest.q[j] = coordinate.start;
   }
   held.rms_fitted = rms_of_pairs(others.pairs(rest.q, rest.matches.matches));
@@ -130,18 +129,18 @@ HeldOut hold_out(const UpdateProblem& problem, const UpdateOptions& options,
   fit.parameters.resize(result.parameters.size());
   fit.fit = result.fit;
   fit.coordinates = rest.q;
-  state_uncertainty(others, options, rest.matches.matches, fit);
+  state_uncertainty(others, rest.matches.matches, fit);
   state_prediction_uncertainty(problem, fit, rest.q, s, held.pairs);
   return held;
 }
 
 // Fits to modes: all answers. Fits of FRFs: the best that begins with one of their modes' answers,
 // or where the scene is; `problem` becomes the one whose segments resolve them.
-std::vector<UpdateAnswer> answers_of(UpdateProblem& problem, const UpdateOptions& options,
-                                     UpdateResult& result, std::string& failure) {
+std::vector<UpdateAnswer> answers_of(UpdateProblem& problem, UpdateResult& result,
+                                     std::string& failure) {
   std::vector<UpdateAnswer> answers;
   if (problem.has_modes()) {
-    answers = find_answers(problem.modes_alone(), options, result.starts, failure);
+    answers = find_answers(problem.modes_alone(), result.starts, failure);
   } else if (problem.has_frfs()) {
     answers.resize(1);
     answers.front().q = problem.start();
@@ -150,7 +149,7 @@ std::vector<UpdateAnswer> answers_of(UpdateProblem& problem, const UpdateOptions
     failure = "no mode and no FRF was measured";
   }
   if (answers.empty() || problem.modes_only()) return answers;
-  if (options.segment_uncertainty) {
+  if (problem.options().segment_uncertainty) {
     const auto& first = answers.front();
     problem = problem.with_resolving_segments(first.matches.matches, first.q);
   }
@@ -174,13 +173,12 @@ struct SettledAnswer {
 
 /// The answers at the minima of their likelihoods, heaviest first: their evidence is there.
 std::vector<SettledAnswer> settled_answers(const UpdateProblem& problem,
-                                           const UpdateOptions& options,
                                            const std::vector<UpdateAnswer>& answers,
                                            UpdateResult& result) {
   std::vector<SettledAnswer> settled;
   for (auto answer : answers) {
     UpdateProblem whole = problem.with_hits(answer.q);
-    const UpdateFit fit = settle(options, whole, answer);
+    const UpdateFit fit = settle(whole, answer);
     // Where the model cannot be solved the evidence of the search stands.
     if (problem.modes_only()) (void)weigh(whole, answer);
     settled.push_back({std::move(whole), std::move(answer), fit});
@@ -197,14 +195,14 @@ std::vector<SettledAnswer> settled_answers(const UpdateProblem& problem,
 }
 
 /// A fit with the error of the scenes' own segments taken off says what they shift.
-void state_segment_shifts(const UpdateProblem& settled, const UpdateOptions& options,
-                          const UpdateAnswer& answer, UpdateResult& result) {
+void state_segment_shifts(const UpdateProblem& settled, const UpdateAnswer& answer,
+                          UpdateResult& result) {
   const auto& states = settled.states();
-  const bool given = std::any_of(states.begin(), states.end(), [](const UpdateState& state) {
-    return std::any_of(state.scene.members.begin(), state.scene.members.end(),
-                       [](const auto& member) { return member.segments != 0; });
+  const bool given = std::ranges::any_of(states, [](const UpdateState& state) {
+    return std::ranges::any_of(
+        state.scene.members, [](int n) { return n != 0; }, &model::Member::segments);
   });
-  if (!given || !options.segment_uncertainty || !settled.modes_only()) return;
+  if (!given || !settled.options().segment_uncertainty || !settled.modes_only()) return;
   UpdateProblem resolved = settled.with_resolved_modes(answer.q, true);
   UpdateAnswer there = answer;
   if (!move_to(resolved, resolved, there)) return;
@@ -248,28 +246,28 @@ UpdateResult update_model(const std::vector<UpdateState>& states,
   }
   if (problem.has_frfs()) result.rms_log_frf_error_before = problem.rms_log_frf_error(start);
 
-  const std::vector<UpdateAnswer> answers = answers_of(problem, options, result, failure);
+  const std::vector<UpdateAnswer> answers = answers_of(problem, result, failure);
   if (answers.empty()) {
     result.status = UpdateStatus::no_model;
     result.message =
         "Check the scene and the bounds: from no start could the model be fitted, " + failure;
     return result;
   }
-  std::vector<SettledAnswer> settled = settled_answers(problem, options, answers, result);
+  std::vector<SettledAnswer> settled = settled_answers(problem, answers, result);
   std::vector<UpdateAlternative> alternatives;
   const UpdateResult plain = result;
   for (auto& [whole, answer, fit] : settled) {  // each with its own uncertainty
     UpdateResult other = plain;
     other.fit = fit;
-    state_answer(whole, options, answer, other);
+    state_answer(whole, answer, other);
     alternatives.push_back(
         {answer.matches, other, answer.weight, answer.log_evidence, fit.model_std});
     if (alternatives.size() > 1) continue;
-    state_segment_shifts(whole, options, answer, other);
+    state_segment_shifts(whole, answer, other);
     for (int s = 0; s < static_cast<int>(states.size()); ++s) {
       other.scenes.push_back(whole.scene_at(s, answer.q));
       if (!options.hold_out || states.size() < 2) continue;
-      other.held.push_back(hold_out(whole, options, answer, other, s));
+      other.held.push_back(hold_out(whole, answer, other, s));
     }
     result = std::move(other);
     if (!problem.modes_only()) break;

@@ -2,7 +2,7 @@
 
 #include <initializer_list>
 
-#include "ident/axial/rod_stiffness.h"
+#include "ident/axial/axial_fit.h"
 #include "ident/bending/bending_equation.h"
 #include "ident/statistics/root.h"
 

@@ -1,7 +1,7 @@
 // Simulates a hanging-mass test: the recorded tension of a cable with a mass after a tap.
 //
 // The simulation is finer than the lumped M + mc/3 of textbooks: the cable is a continuous elastic
-// rod with a massless adapter in series (rod_stiffness.h), and the mass also swings as a pendulum.
+// rod with a massless adapter in series (axial_fit.h), and the mass also swings as a pendulum.
 // The undamped frequency is the first root of w^2 M = K(w).
 //
 // Simulates a bending test: a clamped cable under tension, loaded at mid-span and unloaded again,

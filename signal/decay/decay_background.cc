@@ -4,7 +4,6 @@
 
 #include <Eigen/LU>
 
-#include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/residual_noise.h"
 
 namespace rigfit::signal {
@@ -92,22 +91,19 @@ std::optional<DampedSinusoidsFit> with_offset(const DecaySamples& samples,
 std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DecayBand& band) {
   VectorXd y = samples.values;
   for (const Index j : samples.missing) y(j) = kNaN;
-  std::vector<Index> clipped;
   VectorXd left = y;
   for (const double rail :
        {y.maxCoeff<Eigen::PropagateNumbers>(), y.minCoeff<Eigen::PropagateNumbers>()}) {
     if ((y.array() == rail).count() > 1) left = (y.array() == rail).select(kNaN, left);
   }
   DecaySamples others = decay_samples(left, 0, y.size());
-  if (others.missing.size() == samples.missing.size()) return clipped;
+  if (others.missing.size() == samples.missing.size()) return {};
   others.known = samples.known;
   const auto fit = find_decay_modes(others, band);
-  if (!fit || fit->degrees < 1) return clipped;
+  if (!fit || fit->degrees < 1) return {};
   const double variance = fit->residual_sum_squares / static_cast<double>(fit->degrees);
-  VectorXd says = VectorXd::LinSpaced(
-      y.size(), fit->offset,
-      fit->offset + fit->drift * static_cast<double>(y.size() - 1) / static_cast<double>(y.size()));
-  for (std::size_t m = 0; m < fit->poles.size(); ++m) says += fit->mode_signal(m);
+  const VectorXd says = fit->signal();
+  std::vector<Index> clipped;
   // The high rail, then the low one.
   for (const double sign : {1.0, -1.0}) {
     const double rail = sign * (sign * y).maxCoeff<Eigen::PropagateNumbers>();

@@ -3,7 +3,6 @@
 #include <gsl/gsl_cdf.h>
 
 #include "signal/recording/add_note.h"
-#include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/residual_noise.h"
 
 namespace rigfit::signal {
@@ -13,16 +12,6 @@ namespace {
 // answered only where noise made them larger are biased: at 4 times, 4.5 dB in 50 cycles, by a
 // tenth of a standard uncertainty.
 constexpr double kLeastDetection = 4;
-
-/// Whether mode m leaves what an amplitude and a phase that depart from an exponential, with t^2
-/// and t^3, take out, and noise would not (four unknowns; noise may be larger while the mode
-/// lasts).
-bool leaves_company(const DampedSinusoidsFit& fit, std::size_t m, double noise_variance,
-                    const FitUncertainty& uncertainty) {
-  const double left = departing_residual(fit, {}, std::span(&m, 1));
-  return fit.residual_sum_squares - left >
-         gsl_cdf_chisq_Qinv(1e-4, 4) * uncertainty.widening_of_mode(m) * noise_variance;
-}
 
 class Judgement {
  public:
@@ -37,7 +26,7 @@ class Judgement {
     result_.signal_to_noise_db =
         10 * std::log10(0.5 * amplitude * amplitude / std::max(noise_.variance, 1e-300));
     choose();
-    if (refused()) return;
+    if (!accept()) return;
     for (const std::size_t m : kept_) result_.modes.push_back(modes_[m]);
     result_.envelope = envelope_of(cycles_of(kept_.front()));
     say();
@@ -64,10 +53,10 @@ class Judgement {
   void describe() {
     noise_ = residual_noise(fit_.residual, fit_.degrees);
     left_ = line_spectrum(fit_.residual);
-    const FitUncertainty uncertainty = fit_uncertainty(fit_, noise_);
-    const VectorXd widened = uncertainty.widening.sqrt();
+    uncertainty_ = fit_uncertainty(fit_, noise_);
+    const VectorXd widened = uncertainty_.widening.sqrt();
     const MatrixXd covariance =
-        widened.asDiagonal() * uncertainty.covariance * widened.asDiagonal();
+        widened.asDiagonal() * uncertainty_.covariance * widened.asDiagonal();
     const double factor = gsl_cdf_tdist_Pinv(0.975, static_cast<double>(fit_.degrees));
     result_.coverage_factor_95 = factor;
     const auto n = static_cast<double>(fit_.samples);
@@ -76,7 +65,7 @@ class Judgement {
       const auto s = static_cast<Index>(4 * m) + 2, w = s + 1;
       const Eigen::Matrix2d of_pole = covariance.block<2, 2>(s, s);
       const double variance =
-          uncertainty.widening_of_mode(m) * noise_.white_equivalent(p.imag() / kTwoPi);
+          uncertainty_.widening_of_mode(m) * noise_.white_equivalent(p.imag() / kTwoPi);
       fall_.push_back(-p.real() * n), fall_std_.push_back(std::sqrt(covariance(s, s)) * n);
 
       DecayMode mode;
@@ -115,10 +104,7 @@ class Judgement {
       const VectorXd with_residual = alone(m);
       const double spread = (with_residual.array() - with_residual.mean()).square().sum();
       mode.r_squared = spread > 0 ? 1 - fit_.residual_sum_squares / spread : 0;
-      const auto decrement = log_decrement(cycles_of(m));
-      mode.damping_ratio_log_decrement = decrement.damping_ratio;
-      mode.log_decrement_refusal = decrement.refusal;
-      mode.company = leaves_company(fit_, m, noise_beside(m), uncertainty);
+      mode.by_cycles = log_decrement(cycles_of(m));
       modes_.push_back(std::move(mode));
     }
   }
@@ -134,7 +120,7 @@ class Judgement {
     for (const std::size_t m : order) {
       // Hum, or known to change by less than a tenth over the record while others decay.
       if (is_tone(fit_.poles[m]) || (decays && std::abs(fall_[m]) + 2 * fall_std_[m] < 0.1)) {
-        result_.steady_tones.push_back(modes_[m]);
+        result_.steady_tones_hz.push_back(hz(m));
       } else if (band_.contains(fit_.poles[m]) && fit_.poles[m].imag() > fit_.drift_up_to) {
         const bool grows = fall_[m] < -0.05 && fall_[m] + 3 * fall_std_[m] < 0;
         (grows ? growing_ : kept_).push_back(m);
@@ -142,29 +128,26 @@ class Judgement {
     }
   }
 
-  bool refused() {
-    const auto refuse = [&](const char* code, std::string message) {
-      result_.refuse(code, std::move(message));
-      return true;
-    };
+  /// False where the decay is refused.
+  bool accept() {
     if (!growing_.empty() &&
         (kept_.empty() || modes_[growing_.front()].energy > modes_[kept_.front()].energy)) {
       const std::size_t m = growing_.front();
-      return refuse(
+      return result_.refuse(
           "no_decay",
           fmt::format("name a start and end that hold a decay, or a whole beat: the oscillation at "
                       "{:.6g} Hz grows by a factor of {:.3g} over the window",
                       hz(m), std::exp(-fall_[m])));
     }
     if (kept_.empty()) {
-      return refuse("no_decay", result_.steady_tones.empty()
-                                    ? "no oscillation in the band"
-                                    : "only steady tones in the band, nothing that decays");
+      return result_.refuse("no_decay", result_.steady_tones_hz.empty()
+                                            ? "no oscillation in the band"
+                                            : "only steady tones in the band, nothing that decays");
     }
     const std::size_t main = kept_.front();
     const DecayMode& mode = modes_[main];
     if (const std::string why = driven(); !why.empty()) {
-      return refuse(
+      return result_.refuse(
           "no_decay",
           fmt::format(
               "record a free decay (a tap, a release, a machine that is switched off) or name one "
@@ -172,7 +155,7 @@ class Judgement {
               hz(main), why));
     }
     if (!std::isfinite(mode.damping_ratio.std) || mode.cycles < 1) {
-      return refuse(
+      return result_.refuse(
           "too_noisy",
           fmt::format(
               "record more cycles or less noise: the record holds {:.2g} cycles at {:.3g} dB, "
@@ -181,14 +164,15 @@ class Judgement {
     }
     // A mode that explains most of what is there is no noise: what it leaves has its own colour.
     if (mode.detection < kLeastDetection && mode.r_squared < 0.8) {
-      return refuse("too_noisy",
-                    fmt::format("repeat the test with a harder blow or a longer record, or give a "
-                                "band around the mode: the oscillation at {:.4g} Hz has {:.2g} "
-                                "times the energy that noise alone may show, and below {:.2g} "
-                                "times the values that are seen are those which noise made larger",
-                                mode.frequency_hz.value, mode.detection, kLeastDetection));
+      return result_.refuse(
+          "too_noisy",
+          fmt::format("repeat the test with a harder blow or a longer record, or give a "
+                      "band around the mode: the oscillation at {:.4g} Hz has {:.2g} "
+                      "times the energy that noise alone may show, and below {:.2g} "
+                      "times the values that are seen are those which noise made larger",
+                      mode.frequency_hz.value, mode.detection, kLeastDetection));
     }
-    return false;
+    return true;
   }
 
   /// Why the strongest mode is no free decay; empty when it is one.
@@ -215,6 +199,14 @@ class Judgement {
     return {};
   }
 
+  /// Whether mode m leaves what an amplitude and a phase that depart from an exponential, with t^2
+  /// and t^3, take out, and noise would not (four unknowns; noise may be larger while the mode
+  /// lasts): a second mode that beats too slowly for the record, or a change along the decay.
+  [[nodiscard]] bool leaves_company(std::size_t m) const {
+    return fit_.residual_sum_squares - departing_residual(fit_, {}, std::span(&m, 1)) >
+           gsl_cdf_chisq_Qinv(1e-4, 4) * uncertainty_.widening_of_mode(m) * noise_beside(m);
+  }
+
   /// Whether resonances touch: a third of a beat a time constant tells two modes from one that
   /// changes no better than what is left of one does.
   [[nodiscard]] bool overlapped(std::size_t m) const {
@@ -234,13 +226,12 @@ class Judgement {
           mode.damping_ratio.value, mode.damping_ratio.std);
     }
     for (const std::size_t m : kept_) {
-      const DecayMode& each = modes_[m];
-      if (!each.company && !overlapped(m)) continue;
+      if (!leaves_company(m) && !overlapped(m)) continue;
       add_note(result_.notes, "not_one_decay", "",
                "Record for longer, or look for a change during the decay: one exponential does not "
                "hold all that decays near {:.4g} Hz: there is a mode close by that beats too "
                "slowly for this record, one that changes as it decays, or excitation that goes on",
-               each.damped_frequency_hz.value);
+               hz(m));
     }
     say_whether_exponential(mode);
     if (fit_.drift_up_to > 0) {
@@ -249,10 +240,10 @@ class Judgement {
                "drift, which was fitted with the modes",
                fit_.drift_up_to * rate_ / kTwoPi);
     }
-    for (const auto& tone : result_.steady_tones) {
+    for (const double tone : result_.steady_tones_hz) {
       add_note(result_.notes, "steady_tone", "",
                "a steady tone at {:.6g} Hz (mains hum?) was fitted and kept out of the modes",
-               tone.damped_frequency_hz.value);
+               tone);
     }
   }
 
@@ -282,6 +273,7 @@ class Judgement {
   DecayResult& result_;
   // In coloured noise, and noise that is larger while a mode moves (residual_noise.h).
   ResidualNoise noise_;
+  FitUncertainty uncertainty_;
   LineSpectrum left_;             // of the residual
   std::vector<DecayMode> modes_;  // order of the fit, an offset among them
   // Time constants in the window, and their standard uncertainty, by mode.

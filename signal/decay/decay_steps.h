@@ -1,10 +1,14 @@
-// Steps of the estimate of a decay, in the order in which decay.cc takes them.
+// Steps of the estimate of a decay, in the order in which decay_estimation.cc takes them.
 #pragma once
 
-#include "signal/decay/decay_result.h"
-#include "signal/sinusoids/decay_modes.h"
+#include "signal/decay/decay.h"
 
 namespace rigfit::signal {
+
+/// Number of samples without a run of equal values at the end of the record (a stopped logger
+/// writes zeros); such a run has 16 samples or more and does not end a swing that comes to rest on
+/// a coarse scale: the 16 samples before it were not all within two steps of it.
+[[nodiscard]] Index recorded_until(const Ref<const VectorXd>& y);
 
 // A record brought down to the rate that the modes of a band need.
 //
@@ -25,8 +29,7 @@ struct NarrowRecord {
   [[nodiscard]] Index record_sample(Index sample) const { return first + sample * step; }
 };
 
-/// `y` in `band`. Nothing where every sample is needed or the filter is longer than the record, or
-/// where there are gaps or rails.
+/// `y` in `band`. Nothing where every sample is needed, or where there are gaps or rails.
 [[nodiscard]] std::optional<NarrowRecord> narrow_record(const Ref<const VectorXd>& y,
                                                         const DecayBand& band);
 

@@ -14,7 +14,6 @@
 #pragma once
 
 #include "document/describe.h"
-#include "signal/numerics/estimate.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {

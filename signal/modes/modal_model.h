@@ -13,7 +13,6 @@
 // Pappa, Elliott, Schenk 1993.
 #pragma once
 
-#include "signal/numerics/estimate.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {

@@ -25,4 +25,16 @@ using Eigen::ArrayXcd, Eigen::ArrayXd, Eigen::ArrayXXcd, Eigen::ArrayXXd, Eigen:
 inline constexpr double kTwoPi = 2 * std::numbers::pi;
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  ///< not known
 
+/// A value with its standard uncertainty, in the unit that the owning field's name states.
+struct Estimate {
+  double value = kNaN;
+  double std = kNaN;  ///< standard uncertainty (GUM, k = 1)
+};
+
+/// An interval of values.
+struct Interval {
+  double low = kNaN;
+  double high = kNaN;
+};
+
 }  // namespace rigfit::signal

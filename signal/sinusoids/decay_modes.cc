@@ -44,109 +44,98 @@ bool oscillate(const DecaySamples& samples, const DampedSinusoidsFit& fit, doubl
   return more > left || more > 0.5 * explained || (count == 6 && more > noise);
 }
 
-class DecayModeSearch {
- public:
-  explicit DecayModeSearch(const DecaySamples& samples)
-      : samples_(samples), n_(samples.values.size()) {}
+std::size_t nearest(const DampedSinusoidsFit& fit, Complex pole) {
+  const auto apart = [pole](Complex p) { return std::abs(p - pole); };
+  return static_cast<std::size_t>(std::ranges::min_element(fit.poles, {}, apart) -
+                                  fit.poles.begin());
+}
 
-  // One mode more, or nothing when none is worth it; the first from several starts.
-  std::optional<DampedSinusoidsFit> next(const DampedSinusoidsFit& fit, double lowest,
-                                         double highest) {
-    const bool first = modes_of(fit) == 0;
-    DecaySearchOptions search;
-    search.lowest = lowest, search.highest = highest, search.candidates = 3;
-    // Half of what noise may show: Fisher's test of the fit decides.
-    search.energy_over_noise = (first ? 0.5 : 1) * threshold();
-    const auto found = search_decays(fit.residual, search);
-    std::optional<DampedSinusoidsFit> best;
-    for (const auto& candidate : found) {
-      if (first && candidate.energy < 0.3 * found.front().energy) break;
-      auto poles = fit.poles;
-      poles.push_back(candidate.pole);
-      auto more = fit_poles(samples_, poles);
-      if (!more || !worthwhile(fit, *more, candidate.noise_variance)) continue;
-      if (!best || more->residual_sum_squares < best->residual_sum_squares) best = std::move(more);
-      if (!first) break;
+// Whether noise of the residual's variance would take out so much with one mode more, in the best
+// among all cells of the bank, with probability kFalseAlarm at most.
+bool passes_fisher(double gain, const DampedSinusoidsFit& fit) {
+  const double degrees = static_cast<double>(fit.degrees);
+  const double ratio = gain / 4 / std::max(fit.residual_sum_squares / degrees, 1e-300);
+  const double cells = std::exp(0.5 * detection_threshold(fit.samples)) * kFalseAlarm;
+  return gsl_cdf_fdist_Q(ratio, 4, degrees) * cells < kFalseAlarm;
+}
+
+// Modes that beat for less than 0.4 beats while both last are not told apart; under one and a
+// half, one mode whose amplitude and phase depart from an exponential (t^2 and t^3: as many
+// parameters) must explain less than two do: half as much where the two leave something too, or
+// not more where they leave nothing but noise.
+bool told_apart(const DecaySamples& samples, const DampedSinusoidsFit& fit,
+                const DampedSinusoidsFit& more, double noise_variance) {
+  const auto n = static_cast<double>(fit.samples);
+  for (std::size_t i = 0; i < more.poles.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const double a = std::max(-more.poles[i].real(), -more.poles[k].real());
+      const double both = a > 0 ? std::min(n, 3 / a) : n;
+      const double beats = std::abs(more.poles[i].imag() - more.poles[k].imag()) / kTwoPi * both;
+      if (beats < 0.4) return false;
+      if (beats >= 1.5) continue;
+      const std::size_t near = nearest(fit, more.poles[i]);
+      const double departing = departing_residual(fit, samples.missing, std::span(&near, 1));
+      if (beats >= 0.5 && more.residual_sum_squares < 0.5 * departing) continue;
+      if (more.residual_sum_squares > departing + 4 * noise_variance) return false;
+      const std::size_t pair[] = {i, k};
+      const double left = departing_residual(more, samples.missing, pair);
+      const double structure = (more.residual_sum_squares - left) / noise_variance;
+      if (structure > gsl_cdf_chisq_Qinv(1e-3, 8)) return false;
     }
-    return best;
   }
+  return true;
+}
 
- private:
-  double threshold() const { return detection_threshold(n_); }
-
-  bool worthwhile(const DampedSinusoidsFit& fit, const DampedSinusoidsFit& more,
-                  double noise_variance) const {
-    const bool first = modes_of(fit) == 0;
-    const double gain = fit.residual_sum_squares - more.residual_sum_squares;
-    if (!first && !(gain > threshold() * noise_variance)) return false;
-    // Few samples know little of the noise: Fisher's test as well.
-    if ((first || more.degrees < kFewDegrees) && !passes_fisher(gain, more)) return false;
-    const double white = more.residual_sum_squares / static_cast<double>(more.degrees);
-    for (std::size_t m = 0; m < more.poles.size(); ++m) {
-      if (is_offset(more.poles[m])) continue;
-      // Under a third of a cycle, or growing by e^2.9, at the bounds of the fit.
-      const Complex over_record = more.poles[m] * static_cast<double>(n_);
-      if (!(over_record.imag() >= 0.3 * kTwoPi && over_record.real() <= 2.9)) return false;
-      const auto k = static_cast<Index>(4 * m);
-      const double a_std = std::sqrt(white * more.unit_covariance(k + 2, k + 2));
-      const double w_std = std::sqrt(white * more.unit_covariance(k + 3, k + 3));
-      if (first || m + 1 < more.poles.size()) continue;  // held its ground before
-      if (w_std > 0.05 * more.poles[m].imag()) return false;
-      // Strongly damped ones explain transients as readily as modes: they must be well determined.
-      if (damping_ratio_of(more.poles[m]) > 0.15 && a_std > 0.2 * std::abs(more.poles[m].real()))
-        return false;
-    }
-    if (!first) return told_apart(fit, more, noise_variance);
-    const Complex p = more.poles.back();
-    const double lasts = std::min(static_cast<double>(n_), 3 / std::max(-p.real(), 1e-300));
-    return p.imag() * lasts > few_cycles(1) || oscillate(samples_, more, p.imag());
+bool worthwhile(const DecaySamples& samples, const DampedSinusoidsFit& fit,
+                const DampedSinusoidsFit& more, double noise_variance) {
+  const bool first = modes_of(fit) == 0;
+  const double gain = fit.residual_sum_squares - more.residual_sum_squares;
+  if (!first && !(gain > detection_threshold(fit.samples) * noise_variance)) return false;
+  // Few samples know little of the noise: Fisher's test as well.
+  if ((first || more.degrees < kFewDegrees) && !passes_fisher(gain, more)) return false;
+  const double white = more.residual_sum_squares / static_cast<double>(more.degrees);
+  const auto n = static_cast<double>(fit.samples);
+  // Under a third of a cycle, or growing by e^2.9, at the bounds of the fit.
+  if (!std::ranges::all_of(more.poles, [n](Complex p) {
+        return is_offset(p) || (p.imag() * n >= 0.3 * kTwoPi && p.real() * n <= 2.9);
+      })) {
+    return false;
   }
-
-  // Modes that beat for less than 0.4 beats while both last are not told apart; under one and a
-  // half, one mode whose amplitude and phase depart from an exponential (t^2 and t^3: as many
-  // parameters) must explain less than two do: half as much where the two leave something too, or
-  // not more where they leave nothing but noise.
-  bool told_apart(const DampedSinusoidsFit& fit, const DampedSinusoidsFit& more,
-                  double noise_variance) const {
-    for (std::size_t i = 0; i < more.poles.size(); ++i) {
-      for (std::size_t k = 0; k < i; ++k) {
-        const double a = std::max(-more.poles[i].real(), -more.poles[k].real());
-        const double both =
-            a > 0 ? std::min(static_cast<double>(n_), 3 / a) : static_cast<double>(n_);
-        const double beats = std::abs(more.poles[i].imag() - more.poles[k].imag()) / kTwoPi * both;
-        if (beats < 0.4) return false;
-        if (beats >= 1.5) continue;
-        const std::size_t near = nearest(fit, more.poles[i]);
-        const double departing = departing_residual(fit, samples_.missing, std::span(&near, 1));
-        if (beats >= 0.5 && more.residual_sum_squares < 0.5 * departing) continue;
-        if (more.residual_sum_squares > departing + 4 * noise_variance) return false;
-        const std::size_t pair[] = {i, k};
-        const double left = departing_residual(more, samples_.missing, pair);
-        const double structure = (more.residual_sum_squares - left) / noise_variance;
-        if (structure > gsl_cdf_chisq_Qinv(1e-3, 8)) return false;
-      }
-    }
-    return true;
+  const Complex p = more.poles.back();
+  if (first) {
+    const double lasts = std::min(n, 3 / std::max(-p.real(), 1e-300));
+    return p.imag() * lasts > few_cycles(1) || oscillate(samples, more, p.imag());
   }
+  const auto of_new = static_cast<Index>(4 * (more.poles.size() - 1));
+  const ArrayXd stds = (white * more.unit_covariance.diagonal().segment<4>(of_new)).cwiseSqrt();
+  if (stds(3) > 0.05 * p.imag()) return false;
+  // Strongly damped ones explain transients as readily as modes: they must be well determined.
+  if (damping_ratio_of(p) > 0.15 && stds(2) > 0.2 * std::abs(p.real())) return false;
+  return told_apart(samples, fit, more, noise_variance);
+}
 
-  static std::size_t nearest(const DampedSinusoidsFit& fit, Complex pole) {
-    const auto apart = [pole](Complex p) { return std::abs(p - pole); };
-    return static_cast<std::size_t>(std::ranges::min_element(fit.poles, {}, apart) -
-                                    fit.poles.begin());
+// One mode more, or nothing when none is worth it; the first from several starts.
+std::optional<DampedSinusoidsFit> one_more(const DecaySamples& samples,
+                                           const DampedSinusoidsFit& fit, double lowest,
+                                           double highest) {
+  const bool first = modes_of(fit) == 0;
+  DecaySearchOptions search;
+  search.lowest = lowest, search.highest = highest, search.candidates = 3;
+  // Half of what noise may show: Fisher's test of the fit decides.
+  search.energy_over_noise = (first ? 0.5 : 1) * detection_threshold(fit.samples);
+  const auto found = search_decays(fit.residual, search);
+  std::optional<DampedSinusoidsFit> best;
+  for (const auto& candidate : found) {
+    if (first && candidate.energy < 0.3 * found.front().energy) break;
+    auto poles = fit.poles;
+    poles.push_back(candidate.pole);
+    auto more = fit_poles(samples, poles);
+    if (!more || !worthwhile(samples, fit, *more, candidate.noise_variance)) continue;
+    if (!best || more->residual_sum_squares < best->residual_sum_squares) best = std::move(more);
+    if (!first) break;
   }
-
-  // Whether noise of the residual's variance would take out so much with one mode more, in the best
-  // among all cells of the bank, with probability kFalseAlarm at most.
-  bool passes_fisher(double gain, const DampedSinusoidsFit& fit) const {
-    const double degrees = static_cast<double>(fit.degrees);
-    const double ratio = gain / 4 / std::max(fit.residual_sum_squares / degrees, 1e-300);
-    const double cells = std::exp(0.5 * threshold()) * kFalseAlarm;
-    return gsl_cdf_fdist_Q(ratio, 4, degrees) * cells < kFalseAlarm;
-  }
-
-  const DecaySamples& samples_;
-  Index n_;
-};
+  return best;
+}
 
 /// The mode that noise passes for most readily, of the residual's colour and as large as it is
 /// while the mode lasts; nothing when all stand out.
@@ -204,12 +193,11 @@ std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
                                                    const DecayBand& band,
                                                    const std::vector<Complex>& known,
                                                    int max_modes) {
-  DecayModeSearch search(samples);
   auto fit = fit_poles(samples, known);
   if (!fit) return fit;
   const auto limit = static_cast<std::size_t>(max_modes);
   while (fit->poles.size() < limit) {
-    auto more = search.next(*fit, 0, 0.5);
+    auto more = one_more(samples, *fit, 0, 0.5);
     if (!more) break;
     fit = std::move(more);
   }
@@ -219,7 +207,7 @@ std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
   };
   // A slow sway may be no oscillation, and larger than what is asked for.
   while (!band.all && in_band() < limit && fit->poles.size() < 2 * limit) {
-    auto more = search.next(*fit, band.low, band.high);
+    auto more = one_more(samples, *fit, band.low, band.high);
     if (!more) break;
     fit = std::move(more);
   }

@@ -1,9 +1,8 @@
-#include "signal/sinusoids/decay_search.h"
+#include "signal/sinusoids/decay_modes.h"
 
 #include <gsl/gsl_fit.h>
 
 #include "signal/estimation/robust.h"
-#include "signal/sinusoids/damped_sinusoids.h"
 #include "signal/spectra/fft.h"
 
 namespace rigfit::signal {

@@ -4,13 +4,11 @@
 
 #include <iterator>
 
-#include "ident/axial/rod_stiffness.h"
 #include "ident/statistics/in_parallel.h"
 #include "model/linear/modal_analysis.h"
-#include "signal/decay/decay_window.h"
+#include "signal/decay/decay.h"
 #include "signal/estimation/robust.h"
 #include "signal/recording/recording.h"
-#include "signal/sinusoids/decay_modes.h"
 
 namespace rigfit::ident {
 namespace {

@@ -156,16 +156,8 @@ struct ChannelDecays : RecordedDecay {
               return envelope;
             },
             "", "along the decay", "of the strongest"),
-        field(
-            "steady_tones",
-            [](const T& c) {
-              std::vector<double> tones;
-              for (const auto& one : c.result.steady_tones) {
-                tones.push_back(one.damped_frequency_hz.value);
-              }
-              return tones;
-            },
-            "Hz", "", "hum that does not decay"),
+        field("steady_tones", within(&T::result, &Decay::steady_tones_hz), "Hz", "",
+              "hum that does not decay"),
         field("noise_std", of_solved(&Decay::noise_std), "", "noise", "rms, channel's unit", 3),
         field("signal_to_noise_db", of_solved(&Decay::signal_to_noise_db), "dB", "signal to noise",
               "of the strongest mode at the start", 3),

@@ -39,8 +39,7 @@ double log_sum(double a, double b) {
 
 class Search {
  public:
-  Search(const UpdateProblem& problem, const UpdateOptions& options)
-      : problem_(problem), options_(options) {}
+  explicit Search(const UpdateProblem& problem) : problem_(problem), options_(problem.options()) {}
 
   std::vector<UpdateAnswer> run(int& fits, std::string& failure) {
     std::vector<UpdateAnswer> answers;
@@ -98,7 +97,7 @@ class Search {
 
   VectorXd within_bounds(VectorXd q) const {
     for (Index j = 0; j < q.size(); ++j) {
-      const auto& coordinate = problem_.coordinates()[static_cast<std::size_t>(j)];
+      const auto& coordinate = problem_.coordinate_at(j);
       q[j] = std::clamp(q[j], coordinate.low, coordinate.high);
     }
     return q;
@@ -156,7 +155,7 @@ class Search {
   // A positive parameter that the data leave free stays near q: the prior of the evidence.
   static UpdateProblem held_about(const VectorXd& q, UpdateProblem problem) {
     for (Index j = 0; j < q.size(); ++j) {
-      const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+      const auto& coordinate = problem.coordinate_at(j);
       if (coordinate.prior_std == 0 && coordinate.logarithmic)
         problem.set_prior(j, q[j], width_of(coordinate));
     }
@@ -364,7 +363,7 @@ bool weigh(const UpdateProblem& problem, UpdateAnswer& answer) {
     const MatrixXd K = w.asDiagonal() * J;
     MatrixXd H = K.transpose() * K;
     for (Index j = 0; j < H.cols(); ++j) {
-      const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+      const auto& coordinate = problem.coordinate_at(j);
       const bool prior = coordinate.prior_std > 0;
       const double width = prior ? coordinate.prior_std : width_of(coordinate);
       log_likelihood -= std::log(width);  // the roots of 2 pi of prior and integral cancel
@@ -383,13 +382,13 @@ bool weigh(const UpdateProblem& problem, UpdateAnswer& answer) {
   return true;
 }
 
-std::vector<UpdateAnswer> find_answers(const UpdateProblem& problem, const UpdateOptions& options,
-                                       int& fits, std::string& failure) {
+std::vector<UpdateAnswer> find_answers(const UpdateProblem& problem, int& fits,
+                                       std::string& failure) {
   // Pairs are sought on chains of fewer segments where a scene gives more; with half of these, high
   // modes lie so low that wrong pairs fit (a test of FindAnswers). Values are those of the full
   // chain, at whose minimum an answer is settled and weighed.
   const UpdateProblem coarse = problem.with(&UpdateVariant::coarse, true);
-  return Search(coarse, options).run(fits, failure);
+  return Search(coarse).run(fits, failure);
 }
 
 }  // namespace rigfit::ident

@@ -47,8 +47,7 @@ inline constexpr double kNegligible = 7;
 
 /// Without weights; empty: no start led to a model, `failure` says why.
 /// `fits` counts the local fits. For problems of modes alone.
-[[nodiscard]] std::vector<UpdateAnswer> find_answers(const UpdateProblem& problem,
-                                                     const UpdateOptions& options, int& fits,
+[[nodiscard]] std::vector<UpdateAnswer> find_answers(const UpdateProblem& problem, int& fits,
                                                      std::string& failure);
 
 }  // namespace rigfit::ident

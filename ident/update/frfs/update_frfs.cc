@@ -69,7 +69,7 @@ std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows() const {
   Index row = 0;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     if (!takes_part(s)) continue;
-    for (const auto& frf : states_[static_cast<std::size_t>(s)].frfs) {
+    for (const auto& frf : state_at(s).frfs) {
       all.push_back(rows_of(s, frf));
       all.back().first = row;
       row += 2 * static_cast<Index>(all.back().line.size());
@@ -84,12 +84,12 @@ Index UpdateProblem::frf_lines() const {
   return static_cast<Index>(count);
 }
 
-double UpdateProblem::shared_residuals() const {
+double UpdateProblem::degrees_of_freedom(Index residuals) const {
   double shared = 0;
   for (const auto& rows : frf_rows()) {
     shared += 2 * static_cast<double>(rows.line.size()) * (1 - 1 / rows.frf->lines_per_independent);
   }
-  return shared;
+  return static_cast<double>(residuals - size()) - shared;
 }
 
 bool UpdateProblem::frf_residuals(const VectorXd& q, const std::vector<FrfRows>& all, VectorXd& r,
@@ -140,7 +140,7 @@ bool UpdateProblem::frf_residuals(const VectorXd& q, const std::vector<FrfRows>&
       };
       for (std::size_t t = 0; t < targets.access.size(); ++t) {
         const auto [j, factor] = targets.owner[t];
-        const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
+        const auto& coordinate = coordinate_at(j);
         add(j, factor * coordinate.derivative(q[j]) * solved.rate[t][k](sensor, load));
       }
       for (const auto& [j, change] : rates) {

@@ -205,7 +205,7 @@ ModeAssignment assign_modes(const std::vector<PairingMode>& measured,
   for (const auto& [plane, test] : tests) {
     std::vector<double> ends;  // of the band
     for (const int i : test) ends.push_back(measured[static_cast<std::size_t>(i)].frequency_hz);
-    if (!options.ends_at_pairs) ends = {*std::max_element(ends.begin(), ends.end())};
+    if (!options.ends_at_pairs) ends = {std::ranges::max(ends)};
     std::optional<ModeAssignment> best;
     for (const double last_hz : ends) {
       const auto band =
@@ -220,9 +220,8 @@ ModeAssignment assign_modes(const std::vector<PairingMode>& measured,
     result.missed.insert(result.missed.end(), best->missed.begin(), best->missed.end());
     result.add(*best);
   }
-  std::sort(result.pairs.begin(), result.pairs.end(),
-            [](const ModePair& a, const ModePair& b) { return a.measured < b.measured; });
-  std::sort(result.unpaired_measured.begin(), result.unpaired_measured.end());
+  std::ranges::sort(result.pairs, {}, &ModePair::measured);
+  std::ranges::sort(result.unpaired_measured);
   return result;
 }
 

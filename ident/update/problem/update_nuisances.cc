@@ -64,7 +64,7 @@ void UpdateProblem::add_nuisance(UpdateCoordinate coordinate) {
 void UpdateProblem::add_places_of_hits(const VectorXd& q) {
   std::vector<UpdateCoordinate> places;  // added when q is no longer asked for
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-    const auto& state = states_[static_cast<std::size_t>(s)];
+    const auto& state = state_at(s);
     if (!takes_part(s)) continue;
     for (std::size_t l = 0; l < state.scene.loads.size(); ++l) {
       const auto& load = state.scene.loads[l];
@@ -101,7 +101,7 @@ void UpdateProblem::add_forces() {
   constexpr int kDelays = 16;       // a band up to f holds 2 T f = 13.5 of them
   constexpr double kWindow = 6.75;  // T f
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-    const auto& state = states_[static_cast<std::size_t>(s)];
+    const auto& state = state_at(s);
     for (std::size_t l = 0; takes_part(s) && l < state.scene.loads.size(); ++l) {
       std::vector<double> relative;  // of real or imaginary part
       double highest = 0;
@@ -129,7 +129,7 @@ void UpdateProblem::add_force_noise(const VectorXd& q, const std::vector<FrfRows
                                     MatrixXd* jacobian) const {
   for (const auto& rows : all) {
     for (Index j = parameters_; j < size(); ++j) {
-      const auto& force = coordinates_[static_cast<std::size_t>(j)].force;
+      const auto& force = coordinate_at(j).force;
       if (!(force.std > 0) || force.state != rows.state || force.load != rows.frf->load) continue;
       for (std::size_t k = 0; k < rows.line.size(); ++k) {
         const auto row = rows.first + 2 * static_cast<Index>(k);

@@ -30,14 +30,8 @@ double scale_at_zero(const model::Scene& scene, const std::string& name) {
   return name.ends_with(".mass") && mass > 0 ? 0.01 * mass : 1;
 }
 
-}  // namespace
-
-double UpdateCoordinate::value(double q) const { return logarithmic ? std::exp(q) : q * scale; }
-double UpdateCoordinate::derivative(double q) const { return logarithmic ? std::exp(q) : scale; }
-double UpdateCoordinate::coordinate(double v) const {
-  return logarithmic ? std::log(v) : v / scale;
-}
-
+/// Whether a parameter may have any sign: coordinates of nodes, a load cell's zero, a change of
+/// temperature. Everything else in a scene is positive or zero.
 bool may_be_negative(const std::string& name) {
   if (name == "load_cell.zero" || name == "temperature_change") return true;
   const auto dot = name.rfind('.');
@@ -45,6 +39,14 @@ bool may_be_negative(const std::string& name) {
   const std::string last = name.substr(dot + 1);
   return last == "x" || last == "y" || last == "z" || last == "stretch" ||
          last.starts_with("direction_");
+}
+
+}  // namespace
+
+double UpdateCoordinate::value(double q) const { return logarithmic ? std::exp(q) : q * scale; }
+double UpdateCoordinate::derivative(double q) const { return logarithmic ? std::exp(q) : scale; }
+double UpdateCoordinate::coordinate(double v) const {
+  return logarithmic ? std::log(v) : v / scale;
 }
 
 const UpdateModelMode* UpdateStateModes::find(model::ModePlane plane, int order) const {
@@ -161,12 +163,12 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
 }
 
 const MeasuredMode& UpdateProblem::measured(int state, int mode) const {
-  return states_[static_cast<std::size_t>(state)].measured[static_cast<std::size_t>(mode)];
+  return state_at(state).measured[static_cast<std::size_t>(mode)];
 }
 
 VectorXd UpdateProblem::start() const {
   VectorXd q(size());
-  for (Index j = 0; j < size(); ++j) q[j] = coordinates_[static_cast<std::size_t>(j)].start;
+  for (Index j = 0; j < size(); ++j) q[j] = coordinate_at(j).start;
   return q;
 }
 
@@ -177,11 +179,11 @@ std::vector<std::string> UpdateProblem::names() const {
 }
 
 model::Scene UpdateProblem::scene_at(int state, const VectorXd& q) const {
-  model::Scene scene = states_[static_cast<std::size_t>(state)].scene;
+  model::Scene scene = state_at(state).scene;
   const auto [access, owner] = targets_of(state);
   for (std::size_t t = access.size(); t-- > 0;) {  // inputs first
     const auto [j, factor] = owner[t];
-    const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
+    const auto& coordinate = coordinate_at(j);
     access[t].set(scene, coordinate.parameter < 0 ? access[t].get(scene) + q[j] * factor
                                                   : factor * coordinate.value(q[j]));
   }
@@ -198,7 +200,7 @@ bool UpdateProblem::fixed_scene(int state, const VectorXd& q, model::Scene& scen
   }
   const double factor = is_resolved(state) ? 1 : variant_.segment_factor;
   // Five a half wave of the modes that were measured: what is left of their error is taken off.
-  const auto measured = static_cast<int>(states_[static_cast<std::size_t>(state)].measured.size());
+  const auto measured = static_cast<int>(state_at(state).measured.size());
   const int segments = std::max(options_.auto_segments, 5 * measured / 2);
   for (auto& member : scene.members) {  // the same number all along, or frequencies would jump
     if (member.segments == 0) member.segments = segments;
@@ -214,13 +216,13 @@ UpdateProblem::Targets UpdateProblem::targets_of(int state) const {
   Targets targets;
   std::vector<std::string> names;
   for (Index j = 0; j < size(); ++j) {
-    for (const auto& effect : coordinates_[static_cast<std::size_t>(j)].effects) {
+    for (const auto& effect : coordinate_at(j).effects) {
       if (effect.state != state || effect.target == kSampleRateTarget) continue;
       names.push_back(effect.target);
       targets.owner.emplace_back(j, effect.change);
     }
   }
-  targets.access = model::parameters_named(states_[static_cast<std::size_t>(state)].scene, names);
+  targets.access = model::parameters_named(state_at(state).scene, names);
   return targets;
 }
 
@@ -263,42 +265,39 @@ UpdateProblem::ModeNeed UpdateProblem::need_of(int state,
 }
 
 int UpdateProblem::mode_count(int state) const {
-  const auto measured = states_[static_cast<std::size_t>(state)].measured.size();
+  const auto measured = state_at(state).measured.size();
   return std::min<int>(100, 3 * static_cast<int>(measured) + 8);
 }
 
 UpdateStateModes UpdateProblem::modes(int state, const VectorXd& q, bool derivatives,
                                       const std::vector<UpdateMatch>* matches) const {
-  const ModeNeed need = need_of(state, matches);
-  UpdateStateModes result = modes_asked(state, q, derivatives, need);
-  if (need == ModeNeed{} || !result.failure.empty()) return result;
-  for (const auto& match : *matches) {
-    if (match.state != state || match.cross_plane) continue;
-    if (result.find(match.plane, match.order) != nullptr) continue;
-    *narrow_ = false;  // such as a scene without a plane of symmetry
-    return modes_asked(state, q, derivatives, {});
-  }
-  return result;
-}
-
-UpdateStateModes UpdateProblem::modes_asked(int state, const VectorXd& q, bool derivatives,
-                                            const ModeNeed& need) const {
-  constexpr std::size_t kRemembered = 8;  // a search asks again at its last points only
-  {
-    const std::scoped_lock lock(last_->mutex);
-    for (const auto& one : last_->by_state[state]) {
+  const auto asked = [&](const ModeNeed& need) {
+    constexpr std::size_t kRemembered = 8;  // a search asks again at its last points only
+    std::unique_lock lock(last_->mutex);
+    auto& last = last_->by_state[state];
+    for (const auto& one : last) {
       if (one.derivatives == derivatives && one.need == need && one.variant.solves_as(variant_) &&
           one.q.size() == q.size() && one.q == q) {
         return one.modes;
       }
     }
+    lock.unlock();
+    auto solved = solved_modes(state, q, derivatives, need);
+    lock.lock();
+    last.push_back({q, derivatives, need, variant_, solved});
+    if (last.size() > kRemembered) last.pop_front();
+    return solved;
+  };
+  const ModeNeed need = need_of(state, matches);
+  UpdateStateModes result = asked(need);
+  if (need == ModeNeed{} || !result.failure.empty()) return result;
+  for (const auto& match : *matches) {
+    if (match.state != state || match.cross_plane) continue;
+    if (result.find(match.plane, match.order) != nullptr) continue;
+    *narrow_ = false;  // such as a scene without a plane of symmetry
+    return asked({});
   }
-  auto modes = solved_modes(state, q, derivatives, need);
-  const std::scoped_lock lock(last_->mutex);
-  auto& last = last_->by_state[state];
-  last.push_back({q, derivatives, need, variant_, modes});
-  if (last.size() > kRemembered) last.pop_front();
-  return modes;
+  return result;
 }
 
 UpdateStateModes UpdateProblem::solved_modes(int state, const VectorXd& q, bool derivatives,
@@ -342,7 +341,7 @@ UpdateStateModes UpdateProblem::solved_modes(int state, const VectorXd& q, bool 
       const auto row = static_cast<Index>(k);
       for (std::size_t t = 0; t < targets.size(); ++t) {
         const auto [j, factor] = owner[t];
-        const double by = factor * coordinates_[static_cast<std::size_t>(j)].derivative(q[j]);
+        const double by = factor * coordinate_at(j).derivative(q[j]);
         const auto column = static_cast<Index>(t);
         mode.dlog_frequency[j] += solved.frequency(row, column) * by / mode.frequency_hz;
         if (damping_ && solved.damping_ratio.rows() > row && known(mode.damping_ratio)) {
@@ -383,7 +382,7 @@ double UpdateProblem::damping_relative_std(int state, int mode) const {
 std::vector<std::pair<Index, double>> UpdateProblem::rate_changes(int state) const {
   std::vector<std::pair<Index, double>> changes;
   for (Index j = parameters_; j < size(); ++j) {
-    for (const auto& effect : coordinates_[static_cast<std::size_t>(j)].effects) {
+    for (const auto& effect : coordinate_at(j).effects) {
       if (effect.state == state && effect.target == kSampleRateTarget) {
         changes.emplace_back(j, effect.change);
       }
@@ -411,8 +410,7 @@ std::vector<UpdatedPair> UpdateProblem::pairs(const VectorXd& q,
     const UpdateModelMode* mode = modelled.find(match.plane, match.order);
     if (mode == nullptr) continue;
     const auto& [frequency, damping, plane, shape, order] = measured(match.state, match.measured);
-    UpdatedPair pair{match, states_[static_cast<std::size_t>(match.state)].name, frequency.value,
-                     mode->frequency_hz};
+    UpdatedPair pair{match, state_at(match.state).name, frequency.value, mode->frequency_hz};
     pair.relative_error = pair.model_hz / pair.measured_hz - 1;
     if (known(damping.value)) pair.measured_damping = damping.value;
     if (damping_) pair.model_damping = mode->damping_ratio;

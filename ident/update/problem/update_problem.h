@@ -40,11 +40,12 @@ struct UpdateCoordinate {
   [[nodiscard]] double value(double q) const;
   [[nodiscard]] double derivative(double q) const;  ///< d value / d q
   [[nodiscard]] double coordinate(double value) const;
+  /// Whether a bound is no further from q than `reach`.
+  [[nodiscard]] bool at_bound(double q, double reach = 1e-9) const {
+    return q - reach <= low || q + reach >= high;
+  }
 };
 
-/// Whether a parameter may have any sign: coordinates of nodes, a load cell's zero, a change of
-/// temperature. Everything else in a scene is positive or zero.
-[[nodiscard]] bool may_be_negative(const std::string& name);
 /// `visibility`: response at a sensor to a load of the scene; 0: none there.
 struct UpdateModelMode : PairingMode {
   double damping_ratio = 0;
@@ -103,13 +104,20 @@ class UpdateProblem {
   UpdateProblem(const std::vector<UpdateState>& states, const std::vector<FreeParameter>& free,
                 const UpdateOptions& options);
 
+  [[nodiscard]] const UpdateOptions& options() const { return options_; }
   [[nodiscard]] const std::vector<UpdateCoordinate>& coordinates() const { return coordinates_; }
+  [[nodiscard]] const UpdateCoordinate& coordinate_at(Index j) const {
+    return coordinates_[static_cast<std::size_t>(j)];
+  }
   [[nodiscard]] Index size() const { return static_cast<Index>(coordinates_.size()); }
   /// Coordinates that are free parameters: the first.
   [[nodiscard]] Index parameter_count() const { return parameters_; }
   [[nodiscard]] VectorXd start() const;
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] const std::vector<UpdateState>& states() const { return states_; }
+  [[nodiscard]] const UpdateState& state_at(int s) const {
+    return states_[static_cast<std::size_t>(s)];
+  }
   [[nodiscard]] bool takes_part(int state) const {
     return state != variant_.held_out && (variant_.only < 0 || state == variant_.only);
   }
@@ -168,8 +176,9 @@ class UpdateProblem {
   /// without any or without a model.
   [[nodiscard]] double rms_log_frf_error(const VectorXd& q) const;
   [[nodiscard]] Index frf_lines() const;
-  /// Residuals of FRF lines that share their noise with others, and say nothing of their own.
-  [[nodiscard]] double shared_residuals() const;
+  /// Of so many residuals: less the unknowns, and those of FRF lines that share their noise with
+  /// others and say nothing of their own.
+  [[nodiscard]] double degrees_of_freedom(Index residuals) const;
   [[nodiscard]] Index prior_count() const { return priors_; }
   [[nodiscard]] std::vector<UpdatedPair> pairs(const VectorXd& q,
                                                const std::vector<UpdateMatch>& matches) const;
@@ -198,8 +207,8 @@ class UpdateProblem {
 
   /// A prior where there was none.
   void set_prior(Index coordinate, double q, double std) {
-    coordinates_[static_cast<std::size_t>(coordinate)].prior = q;
-    coordinates_[static_cast<std::size_t>(coordinate)].prior_std = std;
+    auto& at = coordinates_[static_cast<std::size_t>(coordinate)];
+    at.prior = q, at.prior_std = std;
     ++priors_;
   }
 
@@ -227,8 +236,6 @@ class UpdateProblem {
     std::map<int, std::deque<Solved>> by_state;
   };
   [[nodiscard]] ModeNeed need_of(int state, const std::vector<UpdateMatch>* matches) const;
-  [[nodiscard]] UpdateStateModes modes_asked(int state, const VectorXd& q, bool derivatives,
-                                             const ModeNeed& need) const;
   [[nodiscard]] UpdateStateModes solved_modes(int state, const VectorXd& q, bool derivatives,
                                               const ModeNeed& need) const;
   [[nodiscard]] UpdateMatches assign_state(int state, const UpdateStateModes& modelled) const;

@@ -7,7 +7,7 @@
 namespace rigfit::ident {
 
 UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelled) const {
-  const auto& state = states_[static_cast<std::size_t>(s)];
+  const auto& state = state_at(s);
   std::vector<PairingMode> measured;
   const std::vector<PairingMode> model(modelled.modes.begin(), modelled.modes.end());
   std::vector<double> stds;
@@ -47,7 +47,7 @@ UpdateMatches UpdateProblem::assign(const VectorXd& q, std::string& failure, boo
   constexpr double kStep = 0.1, kReach = 0.7;  // ln f: see update_alternatives.h
   UpdateMatches all;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-    const auto& state = states_[static_cast<std::size_t>(s)];
+    const auto& state = state_at(s);
     if (!takes_part(s) || state.measured.empty()) continue;
     UpdateStateModes modelled = modes(s, q, false);
     if (!modelled.failure.empty()) {
@@ -77,13 +77,11 @@ UpdateProblem UpdateProblem::modes_alone() const {
 }
 
 bool UpdateProblem::has_modes() const {
-  return std::any_of(states_.begin(), states_.end(),
-                     [](const auto& state) { return !state.measured.empty(); });
+  return std::ranges::any_of(states_, [](const auto& state) { return !state.measured.empty(); });
 }
 
 bool UpdateProblem::has_frfs() const {
-  return std::any_of(states_.begin(), states_.end(),
-                     [](const auto& state) { return !state.frfs.empty(); });
+  return std::ranges::any_of(states_, [](const auto& state) { return !state.frfs.empty(); });
 }
 
 std::vector<UpdateProblem::FrequencyRow> UpdateProblem::frequency_rows(
@@ -92,7 +90,7 @@ std::vector<UpdateProblem::FrequencyRow> UpdateProblem::frequency_rows(
   Index row = 2 * frf_lines();
   for (std::size_t m = 0; m < matches.size(); ++m) {
     const auto& match = matches[m];
-    if (match.cross_plane || states_[static_cast<std::size_t>(match.state)].modes_lead_only) {
+    if (match.cross_plane || state_at(match.state).modes_lead_only) {
       continue;
     }
     const bool damping = damping_fitted(measured(match.state, match.measured));
@@ -144,7 +142,7 @@ bool UpdateProblem::residuals(const VectorXd& q, const std::vector<UpdateMatch>&
   add_force_noise(q, frfs, r, jacobian);
   Index prior = r.size() - priors_;
   for (Index j = 0; j < size(); ++j) {
-    const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
+    const auto& coordinate = coordinate_at(j);
     if (coordinate.prior_std <= 0) continue;
     r[prior] = (q[j] - coordinate.prior) / coordinate.prior_std;
     if (jacobian != nullptr) (*jacobian)(prior, j) = 1 / coordinate.prior_std;

@@ -56,7 +56,7 @@ bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matc
   ceres::Problem ceres_problem(ownership);
   ceres_problem.AddResidualBlock(&function, nullptr, u.data());
   for (int j = 0; j < static_cast<int>(u.size()); ++j) {
-    const auto& at = problem.coordinates()[static_cast<std::size_t>(j)];
+    const auto& at = problem.coordinate_at(j);
     if (std::isfinite(at.low)) ceres_problem.SetParameterLowerBound(u.data(), j, at.low);
     if (std::isfinite(at.high)) ceres_problem.SetParameterUpperBound(u.data(), j, at.high);
   }

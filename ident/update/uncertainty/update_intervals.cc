@@ -19,14 +19,10 @@ double deviance_at(const UpdateProblem& problem, const std::vector<UpdateMatch>&
   return r.head(r.size() - priors).squaredNorm() / variance_factor + r.tail(priors).squaredNorm();
 }
 
-bool at_bound(const UpdateCoordinate& coordinate, double q, double reach) {
-  return q - reach <= coordinate.low || q + reach >= coordinate.high;
-}
-
 // One end of the profile interval of coordinate j, in q; NaN: the cost stays below.
 double profile_end(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
                    const UpdateResult& solution, Index j, double direction, double least) {
-  const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+  const auto& coordinate = problem.coordinate_at(j);
   const double goal = solution.coverage_factor;
   const double at = solution.coordinates[j];
   const double bound = direction > 0 ? coordinate.high : coordinate.low;
@@ -71,8 +67,7 @@ bool is_curved(const UpdateProblem& problem, const std::vector<UpdateMatch>& mat
   for (const double sign : {-1.0, 1.0}) {
     const VectorXd q = result.coordinates + sign * along;
     for (Index i = 0; i < q.size(); ++i) {
-      const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
-      if (q[i] <= coordinate.low || q[i] >= coordinate.high) return true;
+      if (problem.coordinate_at(i).at_bound(q[i], 0)) return true;
     }
     const double above = deviance_at(problem, matches, q, result.variance_factor) - least;
     if (!(std::abs(std::sqrt(std::max(0.0, above)) / k - 1) <= kCurved)) return true;
@@ -82,8 +77,8 @@ bool is_curved(const UpdateProblem& problem, const std::vector<UpdateMatch>& mat
 
 }  // namespace
 
-void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
-                     const std::vector<UpdateMatch>& matches, UpdateResult& result) {
+void state_intervals(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                     UpdateResult& result) {
   const auto& known = result.identifiability;
   const Index n = problem.parameter_count();
   if (known.std.size() != problem.size()) return;
@@ -96,24 +91,22 @@ void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
     const auto& parameter = result.parameters[static_cast<std::size_t>(j)];
     loose = loose || parameter.at_bound || !parameter.identifiable;
     bent = bent || known.std[j] > kStraight ||
-           at_bound(problem.coordinates()[static_cast<std::size_t>(j)], result.coordinates[j],
-                    result.coverage_factor * known.std[j]);
+           problem.coordinate_at(j).at_bound(result.coordinates[j],
+                                             result.coverage_factor * known.std[j]);
   }
   for (Index j = 0; j < n; ++j) {
-    const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+    const auto& coordinate = problem.coordinate_at(j);
     auto& parameter = result.parameters[static_cast<std::size_t>(j)];
     const double q = result.coordinates[j];
     const double by = std::abs(coordinate.derivative(q));
     double low = kNaN, high = kNaN;
-    parameter.interval_by_profile = false;
+    parameter.interval_by_profile = costs && j < problem.options().profiled;
     if (parameter.identifiable && std::isfinite(parameter.std)) {
       const double half = result.coverage_factor * parameter.std / by;
       low = q - half, high = q + half;
       parameter.interval_by_profile =
-          costs && j < options.profiled &&
+          parameter.interval_by_profile &&
           (loose || (bent && is_curved(problem, matches, result, j, least)));
-    } else {
-      parameter.interval_by_profile = costs && j < options.profiled;
     }
     if (parameter.interval_by_profile) {
       // What is not in the profile: errors that modes share.

@@ -40,15 +40,13 @@ double correlated_variance(const std::vector<UpdateProblem::FrfRows>& all, const
   return sum;
 }
 
-void state_variance_factor(const UpdateProblem& problem, const UpdateOptions& options,
-                           const VectorXd& r, UpdateResult& result) {
-  const double degrees =
-      static_cast<double>(r.size() - problem.size()) - problem.shared_residuals();
+void state_variance_factor(const UpdateProblem& problem, const VectorXd& r, UpdateResult& result) {
+  const double degrees = problem.degrees_of_freedom(r.size());
   const double reduced = degrees > 0 ? r.squaredNorm() / degrees : kNaN;
   // Stated uncertainties are trusted unless the scatter contradicts them; assumed ones are not.
   // A stated error of the model does not shrink because assumed ones were too large.
   const bool stated = problem.uncertainties_known();
-  const double least = !stated && options.model_relative_std == 0 ? 0 : 1;
+  const double least = !stated && problem.options().model_relative_std == 0 ? 0 : 1;
   result.variance_factor = std::isfinite(reduced) ? std::max(reduced, least) : 1;
   bool from_scatter = !stated && result.variance_factor == reduced;
   const double correlated = correlated_variance(problem.frf_rows(), r);
@@ -64,55 +62,8 @@ void state_variance_factor(const UpdateProblem& problem, const UpdateOptions& op
   }
 }
 
-}  // namespace
-
-UpdateFit misfit_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                    const VectorXd& q) {
-  UpdateFit fit;
-  fit.stated = problem.uncertainties_known();
-  VectorXd r;
-  if (!problem.residuals(q, matches, r, nullptr)) return fit;
-  fit.chi2 = r.squaredNorm();
-  fit.degrees_of_freedom =
-      static_cast<double>(r.size() - problem.size()) - problem.shared_residuals();
-  if (!(fit.degrees_of_freedom > 0)) return fit;
-  fit.p_value = gsl_cdf_chisq_Q(fit.chi2, fit.degrees_of_freedom);
-  return fit;
-}
-
-double model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                    const VectorXd& q) {
-  VectorXd r;
-  MatrixXd J;
-  if (!problem.residuals(q, matches, r, &J)) return 0;
-  for (Index j = 0; j < problem.parameter_count(); ++j) {  // at its bound it stays there
-    const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
-    if (q[j] <= coordinate.low + 1e-9 || q[j] >= coordinate.high - 1e-9) J.col(j).setZero();
-  }
-  VectorXd own = VectorXd::Zero(r.size());  // relative uncertainty; 0: no data
-  for (const auto& rows : problem.frf_rows()) {
-    for (std::size_t k = 0; k < rows.relative_std.size(); ++k) {
-      own.segment<2>(rows.first + 2 * static_cast<Index>(k)).fill(rows.relative_std[k]);
-    }
-  }
-  for (const auto& row : problem.frequency_rows(matches)) {
-    if (problem.has_frfs()) break;
-    const auto& match = matches[row.match];
-    own[row.row] = problem.relative_std(match.state, match.measured);
-  }
-  const double dof = static_cast<double>(r.size() - problem.size()) - problem.shared_residuals();
-  const auto excess = [&](double log_tau) {
-    VectorXd w = VectorXd::Ones(r.size());
-    for (Index i = 0; i < r.size(); ++i) {
-      if (own[i] > 0) w[i] = own[i] / std::hypot(own[i], std::exp(log_tau));
-    }
-    return signal::least_sum_squares(w.asDiagonal() * J, w.cwiseProduct(r)) - dof;
-  };
-  const double low = std::log(1e-9), high = 0;
-  if (dof <= 0 || excess(low) <= 0 || excess(high) > 0) return 0;
-  return std::exp(root_between(low, high, 1e-6, excess));
-}
-
+/// The larger of the covariances by modes and by states, each coordinate's variance for itself; of
+/// the whitened residuals r and J of the problem. Zero with fewer than three clusters of a kind.
 VectorXd clustered_variance(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
                             const VectorXd& r, const MatrixXd& J) {
   const auto rows = problem.frequency_rows(matches);
@@ -137,8 +88,55 @@ VectorXd clustered_variance(const UpdateProblem& problem, const std::vector<Upda
   return largest;
 }
 
-void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& options,
-                       const std::vector<UpdateMatch>& matches, UpdateResult& result) {
+}  // namespace
+
+UpdateFit misfit_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                    const VectorXd& q) {
+  UpdateFit fit;
+  fit.stated = problem.uncertainties_known();
+  VectorXd r;
+  if (!problem.residuals(q, matches, r, nullptr)) return fit;
+  fit.chi2 = r.squaredNorm();
+  fit.degrees_of_freedom = problem.degrees_of_freedom(r.size());
+  if (!(fit.degrees_of_freedom > 0)) return fit;
+  fit.p_value = gsl_cdf_chisq_Q(fit.chi2, fit.degrees_of_freedom);
+  return fit;
+}
+
+double model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                    const VectorXd& q) {
+  VectorXd r;
+  MatrixXd J;
+  if (!problem.residuals(q, matches, r, &J)) return 0;
+  for (Index j = 0; j < problem.parameter_count(); ++j) {  // at its bound it stays there
+    if (problem.coordinate_at(j).at_bound(q[j])) J.col(j).setZero();
+  }
+  VectorXd own = VectorXd::Zero(r.size());  // relative uncertainty; 0: no data
+  for (const auto& rows : problem.frf_rows()) {
+    for (std::size_t k = 0; k < rows.relative_std.size(); ++k) {
+      own.segment<2>(rows.first + 2 * static_cast<Index>(k)).fill(rows.relative_std[k]);
+    }
+  }
+  for (const auto& row : problem.frequency_rows(matches)) {
+    if (problem.has_frfs()) break;
+    const auto& match = matches[row.match];
+    own[row.row] = problem.relative_std(match.state, match.measured);
+  }
+  const double dof = problem.degrees_of_freedom(r.size());
+  const auto excess = [&](double log_tau) {
+    VectorXd w = VectorXd::Ones(r.size());
+    for (Index i = 0; i < r.size(); ++i) {
+      if (own[i] > 0) w[i] = own[i] / std::hypot(own[i], std::exp(log_tau));
+    }
+    return signal::least_sum_squares(w.asDiagonal() * J, w.cwiseProduct(r)) - dof;
+  };
+  const double low = std::log(1e-9), high = 0;
+  if (dof <= 0 || excess(low) <= 0 || excess(high) > 0) return 0;
+  return std::exp(root_between(low, high, 1e-6, excess));
+}
+
+void state_uncertainty(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                       UpdateResult& result) {
   const Index n = problem.size(), count = problem.parameter_count();
   const VectorXd& q = result.coordinates;
   result.covariance = result.correlation = MatrixXd::Constant(count, count, kNaN);
@@ -146,14 +144,14 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   MatrixXd J;
   if (!problem.residuals(q, matches, r, &J)) return;
   const Index data = r.size() - problem.prior_count();
-  state_variance_factor(problem, options, r, result);
+  state_variance_factor(problem, r, result);
   // The factor is one of the data: priors are what they say.
   const double factor = std::sqrt(std::max(result.variance_factor, 1e-12));
   J.topRows(data) /= factor, r.head(data) /= factor;
 
   VectorXd scales = VectorXd::Ones(n);
   for (Index j = 0; j < n; ++j) {
-    const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+    const auto& coordinate = problem.coordinate_at(j);
     if (j >= count) {
       scales[j] = 2 / kMaxRelativeStd;  // known to 1 by its prior: priors of inputs tell them
     } else if (!coordinate.logarithmic) {
@@ -166,7 +164,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   for (const auto& open : known.open) result.open.push_back(open.message);
   VectorXd by(count);  // of the values, widened by errors of the model that modes share
   for (Index i = 0; i < count; ++i) {
-    by[i] = problem.coordinates()[static_cast<std::size_t>(i)].derivative(q[i]);
+    by[i] = problem.coordinate_at(i).derivative(q[i]);
   }
   const VectorXd unwidened = by;
   if (result.fit.model_std > 0) {
@@ -183,12 +181,11 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   result.covariance =
       by.asDiagonal() * known.covariance.topLeftCorner(count, count) * by.asDiagonal();
   for (Index i = 0; i < count; ++i) {
-    const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
     auto& parameter = result.parameters[static_cast<std::size_t>(i)];
     parameter.identifiable = known.identifiable[static_cast<std::size_t>(i)];
     parameter.std = std::sqrt(result.covariance(i, i));
     parameter.std_from_data = std::abs(unwidened[i]) * alone.std[i];
-    parameter.at_bound = q[i] <= coordinate.low + 1e-9 || q[i] >= coordinate.high - 1e-9;
+    parameter.at_bound = problem.coordinate_at(i).at_bound(q[i]);
     if (!parameter.identifiable) continue;
     for (Index j = 0; j < count; ++j) {
       result.correlation(i, j) =
@@ -198,7 +195,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
     parameter.budget.push_back({"data", 0});
     double by_data = parameter.std * parameter.std;
     for (Index j = 0; j < n; ++j) {
-      const double prior_std = problem.coordinates()[static_cast<std::size_t>(j)].prior_std;
+      const double prior_std = problem.coordinate_at(j).prior_std;
       if (!(prior_std > 0) || !std::isfinite(known.covariance(i, j))) continue;
       const double change = unwidened[i] * known.covariance(i, j) / prior_std;
       by_data -= change * change;
@@ -234,7 +231,7 @@ void state_prediction_uncertainty(const UpdateProblem& problem, const UpdateResu
     if (mode == nullptr) continue;
     VectorXd gradient = mode->dlog_frequency;
     for (Index j = 0; j < gradient.size() && held_out >= 0; ++j) {
-      const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+      const auto& coordinate = problem.coordinate_at(j);
       if (coordinate.state == held_out && !(coordinate.prior_std > 0)) gradient[j] = 0;
     }
     const double relative = result.identifiability.std_of(gradient);

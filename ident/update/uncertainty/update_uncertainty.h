@@ -42,15 +42,9 @@ inline constexpr double kUnlikelyMisfit = 0.05;
 [[nodiscard]] double model_std_of(const UpdateProblem& problem,
                                   const std::vector<UpdateMatch>& matches, const VectorXd& q);
 
-/// The larger of the covariances by modes and by states, each coordinate's variance for itself; of
-/// the whitened residuals r and J of the problem. Zero with fewer than three clusters of a kind.
-[[nodiscard]] VectorXd clustered_variance(const UpdateProblem& problem,
-                                          const std::vector<UpdateMatch>& matches,
-                                          const VectorXd& r, const MatrixXd& J);
-
 /// Fills everything in `result` that is uncertain, from its coordinates.
-void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& options,
-                       const std::vector<UpdateMatch>& matches, UpdateResult& result);
+void state_uncertainty(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                       UpdateResult& result);
 
 /// Fills model_std_hz of pairs as modelled at `q`. `held_out`: a state whose own values are taken
 /// as they are (where they have no prior); -1: none.
@@ -58,8 +52,8 @@ void state_prediction_uncertainty(const UpdateProblem& problem, const UpdateResu
                                   const VectorXd& q, int held_out, std::vector<UpdatedPair>& pairs);
 
 /// low, high and interval_by_profile of the result's parameters.
-void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
-                     const std::vector<UpdateMatch>& matches, UpdateResult& result);
+void state_intervals(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                     UpdateResult& result);
 
 /// low and high of the result's parameters, over its alternatives.
 void state_mixture(UpdateResult& result);

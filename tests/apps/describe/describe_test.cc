@@ -1,7 +1,7 @@
 // A field or an option that is described is found wherever it is shown, without another line.
 #include "apps/cli/verb.h"
 #include "apps/describe/sheet.h"
-#include "signal/numerics/estimate.h"
+#include "signal/numerics/numbers.h"
 #include "tests/test.h"
 
 namespace rigfit::describe_test {

@@ -1,6 +1,5 @@
 #include "ident/axial/axial_identification.h"
 
-#include "ident/axial/rod_stiffness.h"
 #include "ident/virtual_rig/virtual_bench.h"
 #include "tests/reference/axial_rig.h"
 #include "tests/test.h"

@@ -30,7 +30,7 @@ double std_of_truth(const std::vector<UpdateState>& states, const UpdateOptions&
   const UpdateProblem problem(states, testing::laboratory_parameters(), options);
   int fits = 0;
   std::string failure;
-  const auto answers = find_answers(problem, options, fits, failure);
+  const auto answers = find_answers(problem, fits, failure);
   EXPECT_EQ(answers.size(), 1U) << failure;
   if (answers.empty()) return kInf;
   const auto& answer = answers.front();

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "signal/decay/decay_window.h"
+#include "signal/decay/decay_steps.h"
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "tests/normal.h"
 #include "tests/signal/decays.h"
@@ -317,7 +317,7 @@ TEST(DecayBackground, HumBesideAModeAsLongAsItStandsAloneBefore) {
     const auto result = estimate_decay(y, 1000);
     ASSERT_EQ(result.modes.size(), 1U) << seed;
     const DecayMode& mode = result.modes.front();
-    others += result.steady_tones.size() != 1;
+    others += result.steady_tones_hz.size() != 1;
     frequency += std::pow((mode.frequency_hz.value - f) / mode.frequency_hz.std, 2);
     damping += std::pow((mode.damping_ratio.value - zeta) / mode.damping_ratio.std, 2);
   }

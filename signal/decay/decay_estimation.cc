@@ -1,10 +1,9 @@
-#include "signal/decay/decay.h"
+#include "signal/decay/decay_steps.h"
 
 #include <gsl/gsl_cdf.h>
 
 #include <iterator>
 
-#include "signal/decay/decay_steps.h"
 #include "signal/estimation/robust.h"
 #include "signal/recording/add_note.h"
 
@@ -303,10 +302,7 @@ class Estimation {
 
 /// From the samples of `narrow` to those of its record.
 void take_back(const NarrowRecord& narrow, DecayResult& result) {
-  const auto step = static_cast<double>(narrow.step);
-  for (auto* modes : {&result.modes, &result.steady_tones}) {
-    for (DecayMode& mode : *modes) mode.energy *= step;
-  }
+  for (DecayMode& mode : result.modes) mode.energy *= static_cast<double>(narrow.step);
   for (DecayWindow& window : result.decays) {
     window.start = narrow.record_sample(window.start);
     window.end = narrow.record_sample(window.end - 1) + 1;
