@@ -203,7 +203,7 @@ class Judgement {
   /// and t^3, take out, and noise would not (four unknowns; noise may be larger while the mode
   /// lasts): a second mode that beats too slowly for the record, or a change along the decay.
   [[nodiscard]] bool leaves_company(std::size_t m) const {
-    return fit_.residual_sum_squares - departing_residual(fit_, {}, std::span(&m, 1)) >
+    return fit_.residual.squaredNorm() - departing_residual(fit_, std::span(&m, 1)) >
            gsl_cdf_chisq_Qinv(1e-4, 4) * uncertainty_.widening_of_mode(m) * noise_beside(m);
   }
 

@@ -284,6 +284,7 @@ DampedSinusoidsFit fit_damped_sinusoids(const Ref<const VectorXd>& y,
   if (!std::ranges::equal(fit.poles, stage.poles)) problem.stage_at(stage.poles);
   problem.finish(stage.usable);
   if (fit.unit_covariance.size() == 0) fit.end = StepsEnd::rank_deficient;
+  fit.missing.assign(missing.begin(), missing.end());
   return std::move(fit);
 }
 

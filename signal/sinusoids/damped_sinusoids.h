@@ -39,9 +39,10 @@ struct DampedSinusoidsFit {
   double offset = 0;                ///< at sample 0
   double drift = 0;                 ///< over the whole of N samples
   double residual_sum_squares = 0;
-  Index samples = 0;       ///< N, with the missing ones
-  Index degrees = 0;       ///< samples present less free parameters
-  VectorXd residual;       ///< N; 0 where missing
+  Index samples = 0;  ///< N, with the missing ones
+  Index degrees = 0;  ///< samples present less free parameters
+  VectorXd residual;  ///< N; 0 where missing
+  std::vector<Index> missing;
   MatrixXd jacobian_gram;  ///< J'J, parameters (Re C, Im C, Re p, Im p) per mode, then c0, c1
   /// (J'J)^-1 of the free parameters, 0 for the others; empty when rank-deficient.
   MatrixXd unit_covariance;

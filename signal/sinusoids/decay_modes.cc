@@ -63,8 +63,8 @@ bool passes_fisher(double gain, const DampedSinusoidsFit& fit) {
 // half, one mode whose amplitude and phase depart from an exponential (t^2 and t^3: as many
 // parameters) must explain less than two do: half as much where the two leave something too, or
 // not more where they leave nothing but noise.
-bool told_apart(const DecaySamples& samples, const DampedSinusoidsFit& fit,
-                const DampedSinusoidsFit& more, double noise_variance) {
+bool told_apart(const DampedSinusoidsFit& fit, const DampedSinusoidsFit& more,
+                double noise_variance) {
   const auto n = static_cast<double>(fit.samples);
   for (std::size_t i = 0; i < more.poles.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
@@ -74,11 +74,11 @@ bool told_apart(const DecaySamples& samples, const DampedSinusoidsFit& fit,
       if (beats < 0.4) return false;
       if (beats >= 1.5) continue;
       const std::size_t near = nearest(fit, more.poles[i]);
-      const double departing = departing_residual(fit, samples.missing, std::span(&near, 1));
+      const double departing = departing_residual(fit, std::span(&near, 1));
       if (beats >= 0.5 && more.residual_sum_squares < 0.5 * departing) continue;
       if (more.residual_sum_squares > departing + 4 * noise_variance) return false;
       const std::size_t pair[] = {i, k};
-      const double left = departing_residual(more, samples.missing, pair);
+      const double left = departing_residual(more, pair);
       const double structure = (more.residual_sum_squares - left) / noise_variance;
       if (structure > gsl_cdf_chisq_Qinv(1e-3, 8)) return false;
     }
@@ -111,7 +111,7 @@ bool worthwhile(const DecaySamples& samples, const DampedSinusoidsFit& fit,
   if (stds(3) > 0.05 * p.imag()) return false;
   // Strongly damped ones explain transients as readily as modes: they must be well determined.
   if (damping_ratio_of(p) > 0.15 && stds(2) > 0.2 * std::abs(p.real())) return false;
-  return told_apart(samples, fit, more, noise_variance);
+  return told_apart(fit, more, noise_variance);
 }
 
 // One mode more, or nothing when none is worth it; the first from several starts.
@@ -236,8 +236,7 @@ std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
   return fit;
 }
 
-double departing_residual(const DampedSinusoidsFit& fit, std::span<const Index> missing,
-                          std::span<const std::size_t> modes) {
+double departing_residual(const DampedSinusoidsFit& fit, std::span<const std::size_t> modes) {
   const auto n = fit.samples;
   MatrixXd columns(n, 8 * static_cast<Index>(modes.size()));
   const ArrayXd t = ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1)) / static_cast<double>(n);
@@ -247,7 +246,7 @@ double departing_residual(const DampedSinusoidsFit& fit, std::span<const Index> 
     ArrayXcd z = powers(pole, n);
     for (Index k = 0; k < 4; ++k, z *= t) own.col(2 * k) = z.real(), own.col(2 * k + 1) = z.imag();
   }
-  for (const Index j : missing) columns.row(j).setZero();
+  for (const Index j : fit.missing) columns.row(j).setZero();
   return least_sum_squares(columns, fit.residual);
 }
 

@@ -93,7 +93,6 @@ inline constexpr int kMostModes = 12;
 /// Sum of squares left when the complex amplitudes of `modes` may also vary with t^2 and t^3, which
 /// takes as many parameters per mode as one more mode.
 [[nodiscard]] double departing_residual(const DampedSinusoidsFit& fit,
-                                        std::span<const Index> missing,
                                         std::span<const std::size_t> modes);
 /// The mode with the largest energy in the band.
 [[nodiscard]] std::size_t strongest_mode(const DampedSinusoidsFit& fit, const DecayBand& band);
