@@ -19,29 +19,23 @@ namespace rigfit::signal {
 
 /// A node of datasets 15 or 2411.
 struct UffNode {
-  int node = 0;
   std::array<double, 3> position_m{0, 0, 0};
   /// Coordinate system of the displacements at the node; 0 and 1 are the global ones.
   int displacement_system = 0;
 };
 
-/// Displacements of a mode at one node.
-struct UffNodeShape {
-  int node = 0;
-  std::array<Complex, 3> translation;  ///< along x, y, z
-};
-
 /// One mode of datasets 55.
 struct UffMode {
-  long line = 0;                    ///< line of the dataset's number in the file
-  double frequency_hz = 0;          ///< undamped natural frequency, positive
-  double damping_ratio = 0;         ///< NaN: the file gives none (zero)
-  std::vector<UffNodeShape> shape;  ///< by node as written; empty: values without directions
+  long line = 0;             ///< line of the dataset's number in the file
+  double frequency_hz = 0;   ///< undamped natural frequency, positive
+  double damping_ratio = 0;  ///< NaN: the file gives none (zero)
+  /// Displacements along x, y, z by node; empty: values without directions.
+  std::map<int, std::array<Complex, 3>> shape;
 };
 
 /// Modes and nodes of a file.
 struct UffModes {
-  std::vector<UffNode> nodes;
+  std::map<int, UffNode> nodes;      ///< by number
   std::vector<UffMode> modes;        ///< by rising frequency
   std::vector<std::string> remarks;  ///< items left out, for a person
 };
