@@ -96,6 +96,11 @@ struct Recording {
     if (time_s.size() > 0) return time_s[time_s.size() - 1] - time_s[0];
     return sample_rate_hz > 0 ? static_cast<double>(samples()) / sample_rate_hz : 0;
   }
+  /// Time of a sample, s, of a recording with times or a rate.
+  [[nodiscard]] double time_at(Index sample) const {
+    if (time_s.size() > 0) return time_s[sample];
+    return start_time_s + static_cast<double>(sample) / sample_rate_hz;
+  }
   /// Index of the channel of that name (exact, then case-insensitive, then 1-based "#k").
   /// Throws RecordingError, which lists the recording's channels.
   [[nodiscard]] Index channel_index(const std::string& name) const;

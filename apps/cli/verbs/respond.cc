@@ -46,11 +46,10 @@ struct RespondCommand {
 model::ForceHistory read_force(const model::Load& load, const std::string& scene_file,
                                VerbContext& context) {
   const signal::Recording recording = load_recording(load.file, context);
-  const auto& times = recording.time_s;
   const auto& force = recording.channels.front();
   const bool is_force =
       force.quantity == signal::Quantity::force || force.quantity == signal::Quantity::unknown;
-  const bool timed = times.size() > 0 || recording.sample_rate_hz > 0;
+  const bool timed = recording.time_s.size() > 0 || recording.sample_rate_hz > 0;
   for (const auto& [there, problem] :
        {std::pair{recording.channels.size() > 1, "has more than one channel"},
         {!is_force, "has no force channel"},
@@ -62,8 +61,7 @@ model::ForceHistory read_force(const model::Load& load, const std::string& scene
   }
   model::ForceHistory history{{}, {force.samples.begin(), force.samples.end()}};
   for (Eigen::Index i = 0; i < force.samples.size(); ++i) {
-    const double even = static_cast<double>(i) / recording.sample_rate_hz;
-    history.time_s.push_back(times.size() > 0 ? times(i) : recording.start_time_s + even);
+    history.time_s.push_back(recording.time_at(i));
   }
   return history;
 }

@@ -25,19 +25,17 @@ Plot decay_plot(const std::string& id, const ident::RecordedDecay& decay) {
             "lies far above a band that is given. A residual that looks like noise means that the "
             "fit is complete.",
             "time, s", fmt::format("{}, {}", decay.channel, unit_words(decay.unit))};
-  const auto time = [&](Eigen::Index i) {
-    return decay.start_time_s + static_cast<double>(i) / decay.sample_rate_hz;
-  };
   PlotSeries record{"record", decay.origin, 0}, fit{"fit", Origin::modelled, 1},
       residual{"residual", decay.origin, 2};
-  for (Eigen::Index i = 0; i < decay.samples.size(); ++i) record.add(time(i), decay.samples[i]);
+  for (Eigen::Index i = 0; i < decay.samples.size(); ++i)
+    record.add(decay.time_s(i), decay.samples[i]);
   const auto& r = decay.result;
   for (Eigen::Index i = 0; i < r.residual.size(); ++i) {
     const Eigen::Index at = r.start + i * r.step;
-    fit.add(time(at), r.fitted[i]);
-    residual.add(time(at), std::isfinite(decay.samples[at])
-                               ? r.residual[i]
-                               : std::numeric_limits<double>::quiet_NaN());
+    fit.add(decay.time_s(at), r.fitted[i]);
+    residual.add(decay.time_s(at), std::isfinite(decay.samples[at])
+                                       ? r.residual[i]
+                                       : std::numeric_limits<double>::quiet_NaN());
   }
   for (auto* series : {&record, &fit, &residual}) plot.add(std::move(*series));
   return plot;
