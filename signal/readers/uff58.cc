@@ -54,7 +54,7 @@ std::string_view UffText::needed_line() {
 bool UffText::skip_to_end() {
   // Binary values behind a 58b that was not read are no lines; its header says how many.
   auto behind = bytes_.substr(static_cast<std::size_t>(head_.data() - bytes_.data()));
-  static_cast<void>(take_line(behind));
+  take_line(behind);
   if (columns(head_, 0, 7) == "58b" && behind.size() == rest_.size()) {
     const double lines = number(head_, 19, 12), size = number(head_, 31, 12);
     for (double k = 0; k < std::min(lines, 1000.0); ++k) {
@@ -64,7 +64,7 @@ bool UffText::skip_to_end() {
   }
   const auto end = mark(rest_);
   rest_ = end.value_or(bytes_.substr(bytes_.size()));
-  static_cast<void>(take_line(rest_));
+  take_line(rest_);
   return end.has_value();
 }
 
