@@ -7,8 +7,7 @@
 #include <iterator>
 
 #include "signal/readers/uff58.h"
-#include "signal/writers/write_csv.h"
-#include "signal/writers/write_uff.h"
+#include "signal/writers/writers.h"
 
 namespace rigfit::signal {
 namespace {

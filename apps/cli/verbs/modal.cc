@@ -7,7 +7,7 @@
 #include "signal/modes/modal_synthesis.h"
 #include "signal/readers/read_recording.h"
 #include "signal/spectra/coherence_errors.h"
-#include "signal/writers/write_uff.h"
+#include "signal/writers/writers.h"
 
 namespace rigfit::apps {
 namespace {

@@ -4,7 +4,7 @@
 #include "model/response/response.h"
 #include "model/scene/scene_error.h"
 #include "model/scene/sensor_quantity.h"
-#include "signal/writers/write_csv.h"
+#include "signal/writers/writers.h"
 
 namespace rigfit::describe {
 

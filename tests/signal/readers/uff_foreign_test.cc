@@ -2,7 +2,7 @@
 // is said of those that cannot be taken.
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff58.h"
-#include "signal/writers/write_uff.h"
+#include "signal/writers/writers.h"
 #include "tests/signal/readers/reading.h"
 #include "tests/test.h"
 
