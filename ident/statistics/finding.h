@@ -8,18 +8,7 @@
 
 namespace rigfit::ident {
 
-struct Finding {
-  std::string code;        ///< stable, for programs
-  std::string message;     ///< for a person, with figures
-  std::string where = {};  ///< file, channel, point, mode ...; empty: the whole test
-  bool refused = false;    ///< true: a result is missing because of it
-
-  static constexpr auto fields() {
-    using T = Finding;
-    return std::tuple{field("code", &T::code), field("message", &T::message),
-                      field("where", &T::where)};
-  }
-};
+using Finding = signal::Note;
 
 /// Adds notes as warnings, those of `refused` codes as refusals; `where`: instead of their places.
 inline void add_notes(const std::vector<signal::Note>& notes, std::vector<Finding>& findings,

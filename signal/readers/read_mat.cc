@@ -540,14 +540,14 @@ FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
     const int place = static_cast<int>(k) + 1;
     parts.push_back({{fmt::format("{} {}", frfs.last_name(), place), place, 0},
                      {"force", 0, 0},
-                     FrfForm::unknown,
+                     {},
                      frequency_hz,
                      H.col(k),
                      {},
                      {},
                      path.string()});
   }
-  FrfSet set = set_of_parts(parts, "");
+  FrfSet set = set_of_parts(parts);
   if (by_rate) {
     add_note(set.notes, "read_as", frfs.name,
              "no vector of frequencies: by the sampling rate and block length in the file they go "

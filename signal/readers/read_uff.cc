@@ -165,7 +165,7 @@ FrfPart part_of(const Uff58& f, const std::string& file) {
   FrfPart part;
   part.response = measured_point(f.response, ours ? f.id[0] : "");
   part.input = measured_point(f.reference, ours ? f.id[1] : "");
-  part.form = scale_of(f).form;
+  part.unit = scale_of(f);
   part.file = file;
   part.line = f.line;
   const Index n = f.real.size();
@@ -191,7 +191,7 @@ void add_to_parts(const Uff58& f, const std::string& file, VectorXd FrfPart::*va
       throw RecordingError({file, f.line}, "has other frequencies than its FRF",
                            "give functions over the same lines");
     }
-    part.*values = f.real * (values == &FrfPart::H_std ? scale_of(f).factor : 1.0);
+    part.*values = f.real * (values == &FrfPart::H_std ? own.unit.factor : 1.0);
   }
 }
 
@@ -242,8 +242,8 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
     if (first == nullptr) first = &f;
     FrfPart part = part_of(f, name);
     part.H.resize(f.real.size());
-    part.H.real() = scale_of(f).factor * f.real;
-    part.H.imag() = scale_of(f).factor * f.imag;
+    part.H.real() = part.unit.factor * f.real;
+    part.H.imag() = part.unit.factor * f.imag;
     parts.push_back(std::move(part));
   }
   if (first == nullptr) {
@@ -261,7 +261,7 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
       add_to_parts(f, name, &FrfPart::H_std, parts);
     }
   }
-  FrfSet set = set_of_parts(parts, scale_of(*first).unit);
+  FrfSet set = set_of_parts(parts);
   const auto unit = parse_unit(first->abscissa.unit);
   if (!first->abscissa.unit.empty() && (!unit || (unit->si != "Hz" && unit->si != "rad/s"))) {
     add_note(set.notes, "no_unit", name,

@@ -39,12 +39,18 @@ struct Channel {
   }
 };
 
-/// Something about a recording that a person should know; `code` is stable, `message` is for
-/// people.
+/// Something about a recording, or about what was made of it, that a person should know.
 struct Note {
-  std::string code;
-  std::string message;
-  std::string where;  ///< channel or line, may be empty
+  std::string code;        ///< stable, for programs
+  std::string message;     ///< for a person, with figures
+  std::string where = {};  ///< file, line, channel, point, mode ...; may be empty
+  bool refused = false;    ///< a result is missing because of it
+
+  static constexpr auto fields() {
+    using T = Note;
+    return std::tuple{field("code", &T::code), field("message", &T::message),
+                      field("where", &T::where)};
+  }
 };
 
 /// Where in a recording.
