@@ -13,10 +13,10 @@
 //
 // JSON, its schema, tables of text and CSV, the report's tables and Python's repr are walks over
 // `fields` (apps/describe). A field is a data member or any function of the struct: a nested struct
-// that is described, a list, an estimate (value, std), an optional one. An empty label: for programs
-// only; an empty key: for people only. The unit "%" is that of a ratio which people read in per
-// cent; `digits` are those of a number that has no std of its own. A list leaves out rows for which
-// a function `shown` of the struct is false.
+// that is described, a list, an estimate (value, std), an optional one. An empty label: for
+// programs only; an empty key: for people only. The unit "%" is that of a ratio which people read
+// in per cent; `digits` are those of a number that has no std of its own. A list leaves out rows
+// for which a function `shown` of the struct is false.
 #pragma once
 
 #include <functional>
