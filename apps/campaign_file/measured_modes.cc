@@ -6,7 +6,6 @@
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
 #include "signal/readers/read_recording.h"
-#include "signal/readers/read_uff_modes.h"
 
 namespace rigfit::apps {
 namespace {

@@ -1,11 +1,10 @@
-#include "signal/readers/read_uff_modes.h"
+#include "signal/readers/read_recording.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <set>
 
-#include "signal/readers/read_recording.h"
 #include "signal/readers/uff58.h"
 
 namespace rigfit::signal {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "signal/readers/read_uff_modes.h"
+#include "signal/readers/read_recording.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {

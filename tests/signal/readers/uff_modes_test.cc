@@ -1,6 +1,6 @@
 // Fixtures are written by hand from the public description of datasets 15, 55, 164 and 2411, and by
 // our own writer.
-#include "signal/readers/read_uff_modes.h"
+#include "signal/readers/read_recording.h"
 #include "signal/writers/writers.h"
 #include "tests/signal/readers/reading.h"
 #include "tests/test.h"
