@@ -1,13 +1,11 @@
 #include "apps/campaign_file/measured_modes.h"
 
 #include <Eigen/Geometry>
-#include <fstream>
 
 #include "apps/results/text_table.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
 #include "signal/readers/read_recording.h"
-#include "signal/readers/read_uff_modes.h"
 
 namespace rigfit::apps {
 namespace {
@@ -40,22 +38,23 @@ std::vector<int> nodes_of_sensors(const model::Scene& scene, const signal::UffMo
   std::vector<int> nodes;
   for (const auto& sensor : scene.sensors) {
     const Eigen::Vector3d at = position_of(scene, sensor.place);
-    const signal::UffNode* nearest = nullptr;
+    auto nearest = file.nodes.end();
     double distance = reach;
-    for (const auto& one : file.nodes) {
-      const double apart = (Eigen::Vector3d(one.position_m.data()) - at).norm();
-      if (apart <= distance) distance = apart, nearest = &one;
+    for (auto one = file.nodes.begin(); one != file.nodes.end(); ++one) {
+      const double apart = (Eigen::Vector3d(one->second.position_m.data()) - at).norm();
+      if (apart <= distance) distance = apart, nearest = one;
     }
-    if (nearest == nullptr || nearest->displacement_system > 1) {
+    const bool found = nearest != file.nodes.end();
+    if (!found || nearest->second.displacement_system > 1) {
       why = fmt::format("sensor {} at ({:.4g}, {:.4g}, {:.4g}) m {}", sensor.name, at[0], at[1],
                         at[2],
-                        nearest ? "is at a node with axes of its own: write the file in those of "
-                                  "the scene"
-                                : "has no node within a thousandth of the rig: write the nodes' "
-                                  "coordinates (dataset 15 or 2411) in the scene's axes");
+                        found ? "is at a node with axes of its own: write the file in those of "
+                                "the scene"
+                              : "has no node within a thousandth of the rig: write the nodes' "
+                                "coordinates (dataset 15 or 2411) in the scene's axes");
       return {};
     }
-    nodes.push_back(nearest->node);
+    nodes.push_back(nearest->first);
   }
   return nodes;
 }
@@ -116,11 +115,7 @@ Eigen::Vector3d position_of(const model::Scene& scene, const model::Place& place
 }
 
 bool is_universal_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string head(1024, '\0');
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
-  return signal::format_of(head) == "uff";
+  return signal::format_of(signal::MappedFile(path).bytes()) == "uff";
 }
 
 std::vector<MeasuredTableRow> measured_modes(const std::string& path, const std::string& column,
@@ -151,10 +146,10 @@ std::vector<MeasuredTableRow> measured_modes(const std::string& path, const std:
     Eigen::VectorXcd shape(static_cast<Eigen::Index>(nodes.size()));
     bool whole = !nodes.empty() && !found.shape.empty();
     for (std::size_t s = 0; s < nodes.size() && whole; ++s) {
-      const auto one = std::ranges::find(found.shape, nodes[s], &signal::UffNodeShape::node);
+      const auto one = found.shape.find(nodes[s]);
       whole = one != found.shape.end();
       if (!whole) break;
-      const Eigen::Vector3cd moves(one->translation.data());
+      const Eigen::Vector3cd moves(one->second.data());
       shape[static_cast<Eigen::Index>(s)] =
           scene.sensors[s].direction.cast<std::complex<double>>().dot(moves);
     }

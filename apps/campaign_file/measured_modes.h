@@ -7,7 +7,7 @@
 // their frequency column ("test_Hz"). How it may be written: text_table.h.
 //
 // Or as other programs keep them: universal files with datasets 55, and 15 or 2411 for where their
-// nodes are (signal/readers/read_uff_modes.h).
+// nodes are (signal/readers/read_recording.h).
 #pragma once
 
 #include "apps/cli/verb_context.h"

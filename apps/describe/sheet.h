@@ -106,7 +106,7 @@ template <described T>
     std::erase_if(rows, [](const T& row) { return !T::shown(row); });
   }
   Table table;
-  table.title = Described<T>::title;
+  if constexpr (requires { T::title; }) table.title = T::title;
   table.rows.resize(rows.size());
   each_field<T>([&](const auto& f) {
     if (f.label.empty()) return;

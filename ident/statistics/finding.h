@@ -1,33 +1,19 @@
 // Warnings and refusals that accompany the numbers of an analysis.
 #pragma once
 
-#include <initializer_list>
-
 #include "ident/statistics/numbers.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::ident {
 
-struct Finding {
-  std::string code;        ///< stable, for programs
-  std::string message;     ///< for a person, with figures
-  std::string where = {};  ///< file, channel, point, mode ...; empty: the whole test
-  bool refused = false;    ///< true: a result is missing because of it
+using Finding = signal::Note;
 
-  static constexpr auto fields() {
-    using T = Finding;
-    return std::tuple{field("code", &T::code), field("message", &T::message),
-                      field("where", &T::where)};
-  }
-};
-
-/// Adds notes as warnings, those of `refused` codes as refusals; `where`: instead of their places.
+/// Adds notes; `where`: instead of their places.
 inline void add_notes(const std::vector<signal::Note>& notes, std::vector<Finding>& findings,
-                      const std::string& where = {},
-                      std::initializer_list<std::string_view> refused = {}) {
+                      const std::string& where = {}) {
   for (const auto& note : notes) {
-    findings.push_back({note.code, note.message, where.empty() ? note.where : where,
-                        std::ranges::count(refused, note.code) > 0});
+    findings.push_back(note);
+    if (!where.empty()) findings.back().where = where;
   }
 }
 

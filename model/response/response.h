@@ -77,6 +77,27 @@ struct ResponseResult : MotionOutput {
   std::vector<std::string> members;  ///< names
   std::vector<std::string> kept;
   std::vector<LeftOut> left_out;
+
+  static constexpr auto fields() {
+    using T = ResponseResult;
+    return std::tuple{
+        field("solver", &T::solver, "", "solver", ""),
+        field("solver_reason", &T::told),
+        field("nonlinear", &T::nonlinear, "", "non-linear", "the shift exceeds the accuracy asked"),
+        field("frequency_shift", &T::frequency_shift, "%", "shift of frequencies",
+              "by the motion, estimated", 2),
+        field("frequency_at_rest_hz", &T::frequency_at_rest_hz, "Hz", "frequency at rest",
+              "of the mode with most of the energy", 5),
+        field("frequency_moving_hz", &T::frequency_moving_hz, "Hz", "frequency in motion", "", 5),
+        field("", &T::motion, "", "motion", ""),
+        field("", &T::unknowns, "", "unknowns", ""),
+        field("steps", &T::steps, "", "steps", ""),
+        field("step_s", &T::step_s),
+        field("wall_s", &T::wall_s, "s", "time", "to compute the samples", 3),
+        field("energy_drift", &T::energy_drift, "", "energy drift", "", 2),
+        field("sample_rate_hz", &T::rate_hz),
+        field("", &T::left_out, "", "left out", "")};
+  }
 };
 
 /// Throws SceneError for a record load without its history. Failures to compute a response are

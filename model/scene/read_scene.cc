@@ -8,7 +8,6 @@
 #include "model/algebra/numbers.h"
 #include "model/scene/read_member.h"
 #include "model/scene/sensor_quantity.h"
-#include "model/scene/toml_table.h"
 
 namespace rigfit::model {
 namespace {
@@ -157,7 +156,7 @@ void claim(std::set<std::string>& names, const std::string& name, const TomlTabl
 }
 
 std::string missing(const std::string& name, const std::vector<std::string>& known) {
-  const auto nearest = nearest_word(name, known);
+  const auto nearest = document::nearest_word(name, known);
   if (nearest) return "did you mean \"" + *nearest + "\"?";
   std::string list;
   for (const auto& word : known) list += (list.empty() ? "\"" : ", \"") + word + "\"";

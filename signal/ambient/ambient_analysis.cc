@@ -346,7 +346,7 @@ void AmbientAnalysis::run(std::vector<Index> references) {
     if (size() > 0) judge();
   }
   if (result_.modes.empty()) {
-    add_note(result_.notes, "no_modes", "", "no mode stands out of the noise in the band");
+    result_.notes.push_back({"no_modes", "no mode stands out of the noise in the band", "", true});
   }
 }
 

@@ -1,19 +1,22 @@
 // A result's fields, described once beside its struct: key, how to get it, unit, label, meaning.
 //
-//   template <>
-//   struct rigfit::describe::Described<Length> {
-//     static constexpr std::string_view title = "by length";
-//     static constexpr auto fields = std::tuple{
-//         field("length_m", &Length::length_m, "m", "length", "between the grips"),
-//         field("EA_N", &Length::EA_N, "N", "EA", "axial rigidity of this length alone")};
+//   struct Length {
+//     ...
+//     static constexpr std::string_view title = "by length";  // of a list of them
+//     static constexpr auto fields() {
+//       using T = Length;
+//       return std::tuple{
+//           field("length_m", &T::length_m, "m", "length", "between the grips"),
+//           field("EA_N", &T::EA_N, "N", "EA", "axial rigidity of this length alone")};
+//     }
 //   };
 //
 // JSON, its schema, tables of text and CSV, the report's tables and Python's repr are walks over
-// `fields` (apps/describe); a new field is written in the struct and here. A field is a data member
-// or any function of the struct: a nested struct that is described, a list, an estimate (value,
-// std), an optional one. An empty label: for programs only; an empty key: for people only. The unit
-// "%" is that of a ratio which people read in per cent; `digits` are those of a number that has no
-// std of its own. A list leaves out rows for which a function `shown` of the description is false.
+// `fields` (apps/describe). A field is a data member or any function of the struct: a nested struct
+// that is described, a list, an estimate (value, std), an optional one. An empty label: for
+// programs only; an empty key: for people only. The unit "%" is that of a ratio which people read
+// in per cent; `digits` are those of a number that has no std of its own. A list leaves out rows
+// for which a function `shown` of the struct is false.
 #pragma once
 
 #include <functional>
@@ -58,28 +61,12 @@ constexpr Part<Get> part(Get get) {
   return {get};
 }
 
-/// Specialised beside each struct: `title` of a list of them, `fields`. Or the struct has them
-/// itself, with a static function `fields()`.
-template <class T>
-struct Described;
-
-template <class T>
-requires requires { T::fields(); }
-struct Described<T> {
-  static constexpr std::string_view title = [] {
-    if constexpr (requires { T::title; }) {
-      return T::title;
-    } else {
-      return std::string_view();
-    }
-  }();
-  static constexpr auto fields = T::fields();
-};
-
 template <class T>
 concept described = requires {
-  Described<T>::fields;
+  T::fields();
 };
+template <described T>
+inline constexpr auto fields_of = T::fields();
 
 /// Calls `f` with every field.
 template <described T, class F>
@@ -96,7 +83,7 @@ constexpr void each_field(F&& f) {
       });
     }
   };
-  std::apply([&](const auto&... one) { (take(one), ...); }, Described<T>::fields);
+  std::apply([&](const auto&... one) { (take(one), ...); }, fields_of<T>);
 }
 
 /// An estimate with the ends of its interval, of members that hold them apart. `one_sided`: only

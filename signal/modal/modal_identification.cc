@@ -230,7 +230,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   const bool has_error_bars = band.H_std.size() > 0;
   const FrfNoise first = first_noise(band);
   if (!first.column.cwiseInverse().any()) {
-    add_note(model.notes, "no_modes", "", "all FRFs are zero");
+    model.notes.push_back({"no_modes", "all FRFs are zero", "", true});
     result.noise = first;
     model.pole_covariance.resize(0, 0);
     return result;
@@ -272,7 +272,8 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     result.end = StepsEnd::rank_deficient;
     model.lower_residual.setZero(static_cast<Index>(frfs.responses.size()), inputs);
     model.upper_residual = model.lower_residual;
-    add_note(model.notes, "rank_deficient", "", "the lines of the band do not determine any mode");
+    model.notes.push_back(
+        {"rank_deficient", "the lines of the band do not determine any mode", "", true});
     return result;
   }
   export_modes(frfs, band, search, result);
@@ -282,8 +283,8 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   }
   tell_modes_at_ends(band, result);
   if (model.modes.empty()) {
-    add_note(model.notes, "no_modes", "",
-             "nothing in the band stands out of the noise as a resonance");
+    model.notes.push_back(
+        {"no_modes", "nothing in the band stands out of the noise as a resonance", "", true});
   }
   // Where two modes share a frequency, residues of several inputs are of no single shape.
   const MatrixXcd fitted = inputs == 1 || search.local

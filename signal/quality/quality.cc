@@ -27,11 +27,7 @@ std::string with_unit(double value, const Channel& channel) {
 
 std::string at_time(Index sample, const Recording& recording) {
   if (!(recording.sample_rate_hz > 0)) return fmt::format("sample {}", sample + 1);
-  const double time =
-      recording.time_s.size() > sample
-          ? recording.time_s[sample]
-          : recording.start_time_s + static_cast<double>(sample) / recording.sample_rate_hz;
-  return fmt::format("{:.6g} s", time);
+  return fmt::format("{:.6g} s", recording.time_at(sample));
 }
 
 /// Smallest step between the values there are, and how many there are. Steps below 1e-7 of the

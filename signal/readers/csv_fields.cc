@@ -197,26 +197,12 @@ FieldKind kind_of(std::string_view field, char decimal) {
   return FieldKind::text;
 }
 
-std::size_t line_end(std::string_view bytes, std::size_t from) {
-  while (from < bytes.size() && bytes[from] != '\n' && bytes[from] != '\r') ++from;
-  return from;
-}
-
-std::size_t next_line(std::string_view bytes, std::size_t end) {
-  if (end >= bytes.size()) return bytes.size();
-  if (bytes[end] == '\r' && end + 1 < bytes.size() && bytes[end + 1] == '\n') return end + 2;
-  return end + 1;
-}
-
 long line_number(std::string_view bytes, std::size_t offset) {
   long line = 1;
-  for (std::size_t at = 0; at < bytes.size();) {
-    const std::size_t next = next_line(bytes, line_end(bytes, at));
-    if (next > offset || next >= bytes.size()) break;
-    at = next;
-    ++line;
+  for (std::string_view rest = bytes;; ++line) {
+    take_line(rest);
+    if (rest.empty() || bytes.size() - rest.size() > offset) return line;
   }
-  return line;
 }
 
 RecordingError text_error(std::string_view bytes, const std::string& file, std::string_view value,
@@ -230,9 +216,10 @@ RecordingError text_error(std::string_view bytes, const std::string& file, std::
 }
 
 std::string_view take_line(std::string_view& rest) {
-  const std::size_t end = line_end(rest, 0);
+  std::size_t end = 0;
+  while (end < rest.size() && rest[end] != '\n' && rest[end] != '\r') ++end;
   const std::string_view line = rest.substr(0, end);
-  rest.remove_prefix(next_line(rest, end));
+  rest.remove_prefix(rest.substr(end, 2) == "\r\n" ? end + 2 : std::min(end + 1, rest.size()));
   return line;
 }
 

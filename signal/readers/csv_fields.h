@@ -67,10 +67,6 @@ struct CsvRow {
 /// resolution is 10^-decimals.
 [[nodiscard]] int printed_decimals(std::string_view text, char decimal);
 
-/// End of the line that begins at `from` (offset of its '\n' or '\r', or the size).
-[[nodiscard]] std::size_t line_end(std::string_view bytes, std::size_t from);
-/// Offset of the line after the one that ends at `end`.
-[[nodiscard]] std::size_t next_line(std::string_view bytes, std::size_t end);
 /// 1-based number of the line that `offset` is in.
 [[nodiscard]] long line_number(std::string_view bytes, std::size_t offset);
 
@@ -81,7 +77,7 @@ struct CsvRow {
                                         std::string remedy, const std::string& channel = "");
 
 /// Takes the first line off `rest` and returns it without its end; of empty text, empty.
-[[nodiscard]] std::string_view take_line(std::string_view& rest);
+std::string_view take_line(std::string_view& rest);
 
 /// Text without its byte-order mark. Throws RecordingError for UTF-16 and binary data.
 [[nodiscard]] std::string_view text_without_mark(std::string_view bytes, const std::string& file);

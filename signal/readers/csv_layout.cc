@@ -16,8 +16,8 @@ using Row = CsvRow;
 /// Every line of a small file, else runs of lines at even distances and the last ones.
 std::vector<std::string_view> sample_lines(std::string_view bytes) {
   std::vector<std::string_view> sample;
-  const auto take = [&](std::size_t at, std::ptrdiff_t count) {
-    for (std::string_view rest = bytes.substr(at); count > 0 && !rest.empty();) {
+  const auto take = [&](std::string_view rest, std::ptrdiff_t count) {
+    while (count > 0 && !rest.empty()) {
       const auto line = take_line(rest);
       if (trim_blanks(line).empty()) continue;
       sample.push_back(line);
@@ -25,20 +25,23 @@ std::vector<std::string_view> sample_lines(std::string_view bytes) {
     }
   };
   if (bytes.size() <= 1 << 14) {
-    take(0, std::ssize(bytes));
+    take(bytes, std::ssize(bytes));
     return sample;
   }
   constexpr std::size_t kRuns = 16;
   for (std::size_t run = 1; run <= kRuns; ++run) {
-    const std::size_t at = bytes.size() / (kRuns + 1) * run;
-    take(next_line(bytes, line_end(bytes, at)), kSampledLines / kRuns);
+    auto rest = bytes.substr(bytes.size() / (kRuns + 1) * run);
+    take_line(rest);  // a part of one
+    take(rest, kSampledLines / kRuns);
   }
   std::size_t at = bytes.size();
   for (long k = 0; k < kSampledLines && at > 0; ++k) {
     at = bytes.find_last_of("\r\n", at - 1);
     if (at == std::string_view::npos) return sample;
   }
-  take(next_line(bytes, at), kSampledLines);
+  auto last = bytes.substr(at);
+  take_line(last);
+  take(last, kSampledLines);
   return sample;
 }
 

@@ -139,12 +139,6 @@ struct NumberType {
 [[nodiscard]] MatrixXd matrix_of(const NumberType& type, const char* bytes, Index rows, Index cols,
                                  bool by_rows = false);
 
-/// Walks the headers of a file of version 5 before libmatio, which reserves memory by the sizes
-/// that they state and loops over them. Throws when the file is of another version than 5 to 7.3,
-/// breaks off, or has an array, struct, cell or function handle of other sizes than its header
-/// states. Of version 7.3 (HDF5) only the version is looked at.
-void check_mat_headers(std::string_view bytes, const std::filesystem::path& path);
-
 /// Adds an array's columns or, where it is wide, its rows to the table, with a note: its longer
 /// side is time. `name`, as titles of CSV have it ("Force [N]"), stands in front of their numbers.
 /// `single`: held in single precision, so that times are known to 6e-8 of their size.

@@ -36,7 +36,7 @@ void check_lines(const FrfPart& part, const FrfPart& first) {
     throw refused_frf(part, "has other frequencies than the first FRF",
                       "give functions over the same lines");
   }
-  if (part.form != first.form) {
+  if (part.unit.form != first.unit.form) {
     throw refused_frf(part, "is of another form (receptance, mobility, accelerance) than the first",
                       "convert all FRFs to one form first");
   }
@@ -196,12 +196,12 @@ bool same_lines(const VectorXd& a, const VectorXd& b) {
          (a - b).cwiseAbs().maxCoeff() <= 1e-6 * std::max(1e-300, b.cwiseAbs().maxCoeff());
 }
 
-FrfSet set_of_parts(const std::vector<FrfPart>& parts, const std::string& unit) {
+FrfSet set_of_parts(const std::vector<FrfPart>& parts) {
   FrfSet set;
   const FrfPart& first = parts.front();
-  set.form = first.form;
-  set.unit = unit;
-  if (unit.empty()) {
+  set.form = first.unit.form;
+  set.unit = first.unit.unit;
+  if (set.unit.empty()) {
     add_note(set.notes, "no_unit", first.file,
              "the FRFs have no unit that is known: the numbers are kept as they are; frequencies "
              "and damping do not depend on it");
@@ -309,8 +309,7 @@ std::string spectrum_without_frequencies(const CsvTable& table) {
 }
 
 FrfSet frfs_of(const std::vector<CsvTable>& tables) {
-  FrfSet about;            // notes
-  std::string first_unit;  // the numbers are in SI already where it is known
+  FrfSet about;  // notes
   std::vector<FrfPart> parts;
   for (const auto& table : tables) {
     const std::string stem = std::filesystem::path(table.file).stem().string();
@@ -329,12 +328,10 @@ FrfSet frfs_of(const std::vector<CsvTable>& tables) {
       const bool is_first = columns.polar || !columns.first->source_unit.empty();
       const Channel& own = is_first ? *columns.first : *columns.second;
       if (known == nullptr || columns.polar || !own.source_unit.empty()) known = &own;
-      const FrfUnit unit = parse_frf_unit(known->source_unit).value_or(FrfUnit());
-      if (parts.empty()) first_unit = unit.unit;
       FrfPart part;
       part.response = {name, static_cast<int>(parts.size()) + 1, 0};
       part.input.name = "force";
-      part.form = unit.form;
+      part.unit = parse_frf_unit(known->source_unit).value_or(FrfUnit());
       part.frequency_hz = table.channels[0].samples;
       part.H = values_of(columns, *known, about, table.file);
       part.file = table.file;
@@ -342,7 +339,7 @@ FrfSet frfs_of(const std::vector<CsvTable>& tables) {
       parts.push_back(std::move(part));
     }
   }
-  FrfSet set = set_of_parts(parts, first_unit);
+  FrfSet set = set_of_parts(parts);
   set.notes.insert(set.notes.begin(), about.notes.begin(), about.notes.end());
   return set;
 }

@@ -24,7 +24,7 @@ struct FrfUnit {
 /// One FRF, in SI.
 struct FrfPart {
   MeasuredPoint response, input;
-  FrfForm form = FrfForm::unknown;
+  FrfUnit unit;
   VectorXd frequency_hz;
   VectorXcd H;
   VectorXd coherence, H_std;  ///< as many lines; empty: not known
@@ -35,12 +35,12 @@ struct FrfPart {
 /// Whether two functions have the same frequencies, but for printing (1e-6 of the last).
 [[nodiscard]] bool same_lines(const VectorXd& a, const VectorXd& b);
 
-/// Frequencies, points, values, coherence and standard deviation of one FRF at least, in `unit`
-/// (empty: not known, which is noted). A first or last line without numbers is left out with a note
-/// (0 Hz in mobility, a file cut short). Throws
-/// RecordingError where frequencies do not rise or differ, forms differ, an FRF between two of the
-/// points is absent or there twice, and for values that are no numbers.
-[[nodiscard]] FrfSet set_of_parts(const std::vector<FrfPart>& parts, const std::string& unit);
+/// Frequencies, points, values, coherence and standard deviation of one FRF at least, in the unit
+/// of the first (empty: not known, which is noted). A first or last line without numbers is left
+/// out with a note (0 Hz in mobility, a file cut short). Throws RecordingError where frequencies do
+/// not rise or differ, forms differ, an FRF between two of the points is absent or there twice, and
+/// for values that are no numbers.
+[[nodiscard]] FrfSet set_of_parts(const std::vector<FrfPart>& parts);
 
 /// The column that holds the frequencies; empty: the table is none over frequency.
 [[nodiscard]] std::optional<std::size_t> frequency_column(const CsvTable& table);

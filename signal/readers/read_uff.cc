@@ -10,162 +10,12 @@
 namespace rigfit::signal {
 namespace {
 
-constexpr int kHeaderLines = 11;  // lines of text behind the dataset's number
-
-std::string text_field(std::string_view line, std::size_t from, std::size_t width) {
-  const std::string text(trim_blanks(to_utf8(UffText::columns(line, from, width))));
-  return text == "NONE" || text == "None" || text == "none" ? "" : text;
-}
-
-void add_remark(std::string_view line, std::map<std::string, std::string>& remark) {
-  if (!line.starts_with("rigfit ")) return;
-  std::vector<CsvField> words;
-  split_fields(line.substr(7), {' ', '.'}, words);
-  for (const auto& word : words) {
-    const std::size_t sign = std::min(word.text.find('='), word.text.size() - 1);
-    remark.emplace(word.text.substr(0, sign), word.text.substr(sign + 1));
-  }
-}
-
-class Uff58Reader {
- public:
-  Uff58Reader(std::string_view bytes, const std::string& file,
-              const std::function<void(std::size_t)>& done_with)
-      : text_(bytes, file), size_(bytes.size()), done_with_(done_with) {}
-
-  std::vector<Uff58> read() {
-    std::vector<Uff58> functions;
-    while (const auto type = text_.next_dataset()) {
-      if (*type == 58) functions.push_back(read_function());
-      if (*type == 58 && done_with_) done_with_(size_ - text_.rest().size());
-      text_.skip_to_end();
-    }
-    return functions;
-  }
-
- private:
-  MeasuredPoint point(std::string_view line, std::size_t from) const {
-    return {text_field(line, from, 11), text_.integer(line, from + 11, 10),
-            text_.integer(line, from + 21, 4)};
-  }
-
-  Uff58Axis axis(std::string_view line) const {
-    // The exponents of units are not needed, but are whole numbers unless columns have slipped.
-    for (const std::size_t from : {10U, 15U, 20U}) static_cast<void>(text_.integer(line, from, 5));
-    return {text_.integer(line, 0, 10), text_field(line, 25, 21), text_field(line, 46, 21)};
-  }
-
-  Uff58 read_function() {
-    Uff58 f;
-    const std::string_view head = text_.head();
-    f.line = text_.line_of(head);
-    f.binary = head.size() > 6 && (head[6] == 'b' || head[6] == 'B');
-    int byte_order = 1, text_lines = kHeaderLines;
-    if (f.binary) {
-      byte_order = text_.integer(head, 7, 6, "unknown byte order, 1 is little and 2 big", 1, 2);
-      text_.integer(head, 13, 6, "floats other than IEEE 754 (2) are not read", 2, 2);
-      text_lines =
-          text_.integer(head, 19, 12, "dataset 58 has 11 lines of text", kHeaderLines, 1000);
-    }
-    for (auto& id : f.id) id = text_field(text_.needed_line(), 0, 80);
-    add_remark(f.id[3], f.remark);
-    add_remark(f.id[4], f.remark);
-    const std::string_view dof = text_.needed_line(), form = text_.needed_line();
-    f.function_type = text_.integer(dof, 0, 5);
-    f.response = point(dof, 30);
-    f.reference = point(dof, 55);
-    const int data_type =
-        text_.integer(form, 0, 10, "unknown kind of numbers, 2 and 4 are real, 5 and 6 complex",
-                      text_.integer(form, 0, 10) == 2 ? 2 : 4, 6);
-    const int count = text_.integer(form, 10, 10, "the function holds no values", 1);
-    f.even = text_.integer(form, 20, 10, "unknown spacing of the abscissa", 0, 1) == 1;
-    f.complex = data_type >= 5;
-    f.single_precision = data_type == 2 || data_type == 5;
-    f.abscissa_start = text_.number(form, 30, 13);
-    f.abscissa_step = text_.number(form, 43, 13);
-    f.abscissa_step_half_digit =
-        0.5 * std::pow(10.0, -printed_decimals(UffText::columns(form, 43, 13), '.'));
-    for (Uff58Axis* one : {&f.abscissa, &f.ordinate, &f.denominator}) {
-      *one = axis(text_.needed_line());
-    }
-    for (int k = kHeaderLines - 1; k < text_lines; ++k) text_.needed_line();  // z, and remarks
-
-    // Before any memory is taken: could the file hold that many numbers at all?
-    const std::size_t left = text_.rest().size();
-    const std::size_t least = f.binary ? (f.single_precision ? 4 : 8) : 2;
-    if (least * static_cast<std::size_t>(count) > left + 2) {
-      throw text_.error(UffText::columns(form, 10, 10),
-                        "the file is too short for the values that this dataset states",
-                        "copy or export the file again");
-    }
-    const Index real = f.even ? 0 : 1;
-    const Index values = real + (f.complex ? 2 : 1);
-    const MatrixXd numbers =
-        f.binary ? binary_numbers(f.single_precision, byte_order == 2, values, count)
-                 : text_numbers(values, count);
-    if (!f.even) f.x = numbers.row(0);
-    f.real = numbers.row(real);
-    if (f.complex) f.imag = numbers.row(real + 1);
-    return f;
-  }
-
-  /// Numbers of a sample in a column.
-  MatrixXd binary_numbers(bool single, bool big, Index values, Index count) {
-    const std::string_view from = text_.rest();
-    const std::size_t width = single ? 4 : 8;
-    const std::size_t total = static_cast<std::size_t>(values * count) * width;
-    if (total > from.size()) {
-      throw text_.error(from.substr(0, 0),
-                        "the file breaks off inside the binary values of this dataset",
-                        "copy or export the file again");
-    }
-    text_.skip(total);
-    while (const auto line = text_.line()) {
-      if (trim_blanks(*line).empty()) continue;
-      throw text_.error(
-          from.substr(0, 0), "no end mark (-1) behind the binary values of this dataset",
-          "the number of values or their precision is stated wrongly; export it again");
-    }
-    return matrix_of({'f', width, is_swapped(big)}, from.data(), values, count);
-  }
-
-  MatrixXd text_numbers(Index values, Index count) {
-    std::string_view rest = text_.rest();
-    const auto mark = UffText::mark(rest);
-    if (mark) rest.remove_suffix(mark->size());
-    MatrixXd numbers(values, count);
-    for (Index k = 0; k < numbers.size(); ++k) {
-      const auto value = text_.next_number(rest);
-      if (!value) {
-        throw text_.error(rest,
-                          fmt::format("the dataset ends after {} of {} values", k / values, count),
-                          "copy or export the file again");
-      }
-      numbers.data()[k] = *value;
-    }
-    if (rest.empty() && !mark) throw text_.broken_off(rest);
-    // Zeros that fill the last line are no values.
-    for (int fill = 0; const auto more = text_.next_number(rest); ++fill) {
-      if (*more == 0 && fill < 5) continue;
-      throw text_.error(rest, fmt::format("the dataset holds more than {} values", count),
-                        "export the file again");
-    }
-    return numbers;
-  }
-
-  UffText text_;
-  const std::size_t size_;
-  const std::function<void(std::size_t)>& done_with_;
-};
-
-// ---- Functions as channels and FRFs
-
 using Functions = std::vector<const Uff58*>;
 
 bool is_time_history(const Uff58& f) {
-  return !f.complex &&
-         (f.function_type == uff58_function::time_response ||
-          (f.function_type == uff58_function::general && f.abscissa.data_type == uff58_time));
+  return !f.complex && (f.function_type == uff58_function::time_response ||
+                        (f.function_type == uff58_function::general &&
+                         uff58_quantity(f.abscissa.data_type) == Quantity::time));
 }
 
 std::string point_text(const MeasuredPoint& point) {
@@ -201,9 +51,27 @@ Channel channel_of(const Uff58& f, std::vector<Note>& notes) {
   return channel;
 }
 
+/// Words for a function type.
+const char* name_of_type(int type) {
+  constexpr const char* kNames[] = {"general function",
+                                    "time response",
+                                    "auto spectrum",
+                                    "cross spectrum",
+                                    "frequency response function",
+                                    "transmissibility",
+                                    "coherence",
+                                    "auto correlation",
+                                    "cross correlation",
+                                    "power spectral density",
+                                    "energy spectral density",
+                                    "probability density",
+                                    "spectrum"};
+  return type >= 0 && type < std::ssize(kNames) ? kNames[type] : "function of another type";
+}
+
 std::string kinds_in(const std::vector<Uff58>& functions) {
   std::set<std::string> kinds;
-  for (const auto& f : functions) kinds.insert(uff58_function_name(f.function_type));
+  for (const auto& f : functions) kinds.insert(name_of_type(f.function_type));
   return fmt::format("{}", fmt::join(kinds, ", "));
 }
 
@@ -297,7 +165,7 @@ FrfPart part_of(const Uff58& f, const std::string& file) {
   FrfPart part;
   part.response = measured_point(f.response, ours ? f.id[0] : "");
   part.input = measured_point(f.reference, ours ? f.id[1] : "");
-  part.form = scale_of(f).form;
+  part.unit = scale_of(f);
   part.file = file;
   part.line = f.line;
   const Index n = f.real.size();
@@ -323,25 +191,11 @@ void add_to_parts(const Uff58& f, const std::string& file, VectorXd FrfPart::*va
       throw RecordingError({file, f.line}, "has other frequencies than its FRF",
                            "give functions over the same lines");
     }
-    part.*values = f.real * (values == &FrfPart::H_std ? scale_of(f).factor : 1.0);
+    part.*values = f.real * (values == &FrfPart::H_std ? own.unit.factor : 1.0);
   }
 }
 
 }  // namespace
-
-std::vector<Uff58> read_uff58(std::string_view bytes, const std::string& file,
-                              const std::function<void(std::size_t)>& done_with) {
-  return Uff58Reader(bytes, file, done_with).read();
-}
-
-double Uff58::noted(const std::string& key, double fallback) const {
-  const auto entry = remark.find(key);
-  double value = 0;
-  return entry != remark.end() && parse_whole_number(entry->second, '.', value) &&
-                 std::isfinite(value)
-             ? value
-             : fallback;
-}
 
 Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
                    const ReadOptions& options) {
@@ -388,8 +242,8 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
     if (first == nullptr) first = &f;
     FrfPart part = part_of(f, name);
     part.H.resize(f.real.size());
-    part.H.real() = scale_of(f).factor * f.real;
-    part.H.imag() = scale_of(f).factor * f.imag;
+    part.H.real() = part.unit.factor * f.real;
+    part.H.imag() = part.unit.factor * f.imag;
     parts.push_back(std::move(part));
   }
   if (first == nullptr) {
@@ -407,7 +261,7 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
       add_to_parts(f, name, &FrfPart::H_std, parts);
     }
   }
-  FrfSet set = set_of_parts(parts, scale_of(*first).unit);
+  FrfSet set = set_of_parts(parts);
   const auto unit = parse_unit(first->abscissa.unit);
   if (!first->abscissa.unit.empty() && (!unit || (unit->si != "Hz" && unit->si != "rad/s"))) {
     add_note(set.notes, "no_unit", name,

@@ -1,11 +1,10 @@
-#include "signal/readers/read_uff_modes.h"
+#include "signal/readers/read_recording.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <set>
 
-#include "signal/readers/read_recording.h"
 #include "signal/readers/uff58.h"
 
 namespace rigfit::signal {
@@ -71,7 +70,7 @@ class UffModesReader {
               fmt::format("a point has three coordinates, not {}", values.size() - 4));
       // The last one written counts.
       const int node = static_cast<int>(values[0]);
-      points_[node] = {node, {values[4], values[5], values[6]}, static_cast<int>(values[2])};
+      out_.nodes[node] = {{values[4], values[5], values[6]}, static_cast<int>(values[2])};
     }
   }
 
@@ -132,23 +131,23 @@ class UffModesReader {
       if (trim_blanks(*at_line).empty()) continue;
       const auto first = numbers(*at_line, 1, "the line of a node");
       require(first.size() == 1, *at_line, "a node's number stands alone in its line");
-      UffNodeShape node;
-      node.node = static_cast<int>(first[0]);
+      const int node = static_cast<int>(first[0]);
       std::vector<double> at_node;
       while (at_node.size() < values * step) {
         line = text_.needed_line();
         const std::size_t had = at_node.size();
         for (const double value : numbers(line, 0, "")) at_node.push_back(value);
         require(at_node.size() > had && at_node.size() <= values * step, line,
-                fmt::format("node {} has {} values, not {} as the dataset states", node.node,
+                fmt::format("node {} has {} values, not {} as the dataset states", node,
                             at_node.size(), values * step));
       }
       if (!directed) continue;
+      std::array<Complex, 3> translation;
       for (std::size_t k = 0; k < 3; ++k) {
         const double imaginary = complex_values ? at_node[step * k + 1] : 0.0;
-        node.translation[k] = {at_node[step * k], conjugate ? -imaginary : imaginary};
+        translation[k] = {at_node[step * k], conjugate ? -imaginary : imaginary};
       }
-      mode.shape.push_back(node);
+      mode.shape.emplace(node, translation);
     }
     if (mode.frequency_hz > 0) {
       (conjugate ? conjugates_ : out_.modes).push_back(std::move(mode));
@@ -177,7 +176,7 @@ class UffModesReader {
                       : "holds no dataset",
           "export the mode shapes as UFF 55; FRFs (UFF 58) are taken by rigfit modal and --frf");
     }
-    for (auto& [number, node] : points_) {
+    for (auto& [number, node] : out_.nodes) {
       for (double& x : node.position_m) {
         x /= per_metre_;
         if (!std::isfinite(x)) {
@@ -186,7 +185,6 @@ class UffModesReader {
                                "fix the factor of lengths in dataset 164");
         }
       }
-      out_.nodes.push_back(node);
     }
     std::ranges::stable_sort(out_.modes, {}, &UffMode::frequency_hz);
     return std::move(out_);
@@ -196,8 +194,7 @@ class UffModesReader {
   UffText text_;
   double per_metre_ = 1;
   std::map<std::string, int> left_out_;
-  std::set<int> others_;  // datasets that are not read
-  std::map<int, UffNode> points_;
+  std::set<int> others_;             // datasets that are not read
   std::vector<UffMode> conjugates_;  // conjugates of modes given at negative frequency
   UffModes out_;
 };

@@ -1,10 +1,11 @@
-// The lines of universal files, and what the numbers of dataset 58 stand for.
 #include "signal/readers/uff58.h"
+
+#include <fmt/format.h>
 
 #include <charconv>
 #include <iterator>
 
-#include "signal/readers/csv_fields.h"
+#include "signal/readers/csv_table.h"
 
 namespace rigfit::signal {
 namespace {
@@ -15,6 +16,130 @@ constexpr std::pair<int, Quantity> kDataTypes[] = {
     {3, Quantity::strain},        {5, Quantity::temperature}, {8, Quantity::displacement},
     {13, Quantity::force},        {9, Quantity::force},       {11, Quantity::velocity},
     {12, Quantity::acceleration}, {15, Quantity::pressure},   {17, Quantity::time}};
+
+constexpr int kHeaderLines = 11;  // lines of text behind the dataset's number
+
+std::string text_field(std::string_view line, std::size_t from, std::size_t width) {
+  const std::string text(trim_blanks(to_utf8(UffText::columns(line, from, width))));
+  return text == "NONE" || text == "None" || text == "none" ? "" : text;
+}
+
+void add_remark(std::string_view line, std::map<std::string, std::string>& remark) {
+  if (!line.starts_with("rigfit ")) return;
+  std::vector<CsvField> words;
+  split_fields(line.substr(7), {' ', '.'}, words);
+  for (const auto& word : words) {
+    const std::size_t sign = std::min(word.text.find('='), word.text.size() - 1);
+    remark.emplace(word.text.substr(0, sign), word.text.substr(sign + 1));
+  }
+}
+
+MeasuredPoint point(const UffText& text, std::string_view line, std::size_t from) {
+  return {text_field(line, from, 11), text.integer(line, from + 11, 10),
+          text.integer(line, from + 21, 4)};
+}
+
+Uff58Axis axis(const UffText& text, std::string_view line) {
+  // The exponents of units are not needed, but are whole numbers unless columns have slipped.
+  for (const std::size_t from : {10U, 15U, 20U}) static_cast<void>(text.integer(line, from, 5));
+  return {text.integer(line, 0, 10), text_field(line, 25, 21), text_field(line, 46, 21)};
+}
+
+/// Numbers of a sample in a column.
+MatrixXd binary_numbers(UffText& text, bool single, bool big, Index values, Index count) {
+  const std::string_view from = text.rest();
+  const std::size_t width = single ? 4 : 8;
+  const std::size_t total = static_cast<std::size_t>(values * count) * width;
+  if (total > from.size()) {
+    throw text.error(from.substr(0, 0),
+                     "the file breaks off inside the binary values of this dataset",
+                     "copy or export the file again");
+  }
+  text.skip(total);
+  while (const auto line = text.line()) {
+    if (trim_blanks(*line).empty()) continue;
+    throw text.error(from.substr(0, 0), "no end mark (-1) behind the binary values of this dataset",
+                     "the number of values or their precision is stated wrongly; export it again");
+  }
+  return matrix_of({'f', width, is_swapped(big)}, from.data(), values, count);
+}
+
+MatrixXd text_numbers(const UffText& text, Index values, Index count) {
+  std::string_view rest = text.rest();
+  const auto mark = UffText::mark(rest);
+  if (mark) rest.remove_suffix(mark->size());
+  MatrixXd numbers(values, count);
+  for (Index k = 0; k < numbers.size(); ++k) {
+    const auto value = text.next_number(rest);
+    if (!value) {
+      throw text.error(rest,
+                       fmt::format("the dataset ends after {} of {} values", k / values, count),
+                       "copy or export the file again");
+    }
+    numbers.data()[k] = *value;
+  }
+  if (rest.empty() && !mark) throw text.broken_off(rest);
+  // Zeros that fill the last line are no values.
+  for (int fill = 0; const auto more = text.next_number(rest); ++fill) {
+    if (*more == 0 && fill < 5) continue;
+    throw text.error(rest, fmt::format("the dataset holds more than {} values", count),
+                     "export the file again");
+  }
+  return numbers;
+}
+
+Uff58 read_function(UffText& text) {
+  Uff58 f;
+  const std::string_view head = text.head();
+  f.line = text.line_of(head);
+  f.binary = head.size() > 6 && (head[6] == 'b' || head[6] == 'B');
+  int byte_order = 1, text_lines = kHeaderLines;
+  if (f.binary) {
+    byte_order = text.integer(head, 7, 6, "unknown byte order, 1 is little and 2 big", 1, 2);
+    text.integer(head, 13, 6, "floats other than IEEE 754 (2) are not read", 2, 2);
+    text_lines = text.integer(head, 19, 12, "dataset 58 has 11 lines of text", kHeaderLines, 1000);
+  }
+  for (auto& id : f.id) id = text_field(text.needed_line(), 0, 80);
+  add_remark(f.id[3], f.remark);
+  add_remark(f.id[4], f.remark);
+  const std::string_view dof = text.needed_line(), form = text.needed_line();
+  f.function_type = text.integer(dof, 0, 5);
+  f.response = point(text, dof, 30);
+  f.reference = point(text, dof, 55);
+  const int data_type =
+      text.integer(form, 0, 10, "unknown kind of numbers, 2 and 4 are real, 5 and 6 complex",
+                   text.integer(form, 0, 10) == 2 ? 2 : 4, 6);
+  const int count = text.integer(form, 10, 10, "the function holds no values", 1);
+  f.even = text.integer(form, 20, 10, "unknown spacing of the abscissa", 0, 1) == 1;
+  f.complex = data_type >= 5;
+  f.single_precision = data_type == 2 || data_type == 5;
+  f.abscissa_start = text.number(form, 30, 13);
+  f.abscissa_step = text.number(form, 43, 13);
+  f.abscissa_step_half_digit =
+      0.5 * std::pow(10.0, -printed_decimals(UffText::columns(form, 43, 13), '.'));
+  for (Uff58Axis* one : {&f.abscissa, &f.ordinate, &f.denominator}) {
+    *one = axis(text, text.needed_line());
+  }
+  for (int k = kHeaderLines - 1; k < text_lines; ++k) text.needed_line();  // z, and remarks
+
+  // Before any memory is taken: could the file hold that many numbers at all?
+  const std::size_t left = text.rest().size();
+  const std::size_t least = f.binary ? (f.single_precision ? 4 : 8) : 2;
+  if (least * static_cast<std::size_t>(count) > left + 2) {
+    throw text.error(UffText::columns(form, 10, 10),
+                     "the file is too short for the values that this dataset states",
+                     "copy or export the file again");
+  }
+  const Index real = f.even ? 0 : 1;
+  const Index values = real + (f.complex ? 2 : 1);
+  const MatrixXd numbers =
+      f.binary ? binary_numbers(text, f.single_precision, byte_order == 2, values, count)
+               : text_numbers(text, values, count);
+  if (!f.even) f.x = numbers.row(0);
+  f.real = numbers.row(real);
+  if (f.complex) f.imag = numbers.row(real + 1);
+  return f;
+}
 
 }  // namespace
 
@@ -54,7 +179,7 @@ std::string_view UffText::needed_line() {
 bool UffText::skip_to_end() {
   // Binary values behind a 58b that was not read are no lines; its header says how many.
   auto behind = bytes_.substr(static_cast<std::size_t>(head_.data() - bytes_.data()));
-  static_cast<void>(take_line(behind));
+  take_line(behind);
   if (columns(head_, 0, 7) == "58b" && behind.size() == rest_.size()) {
     const double lines = number(head_, 19, 12), size = number(head_, 31, 12);
     for (double k = 0; k < std::min(lines, 1000.0); ++k) {
@@ -64,7 +189,7 @@ bool UffText::skip_to_end() {
   }
   const auto end = mark(rest_);
   rest_ = end.value_or(bytes_.substr(bytes_.size()));
-  static_cast<void>(take_line(rest_));
+  take_line(rest_);
   return end.has_value();
 }
 
@@ -136,21 +261,25 @@ std::optional<double> UffText::next_number(std::string_view& rest) const {
   return value;
 }
 
-const char* uff58_function_name(int type) {
-  constexpr const char* kNames[] = {"general function",
-                                    "time response",
-                                    "auto spectrum",
-                                    "cross spectrum",
-                                    "frequency response function",
-                                    "transmissibility",
-                                    "coherence",
-                                    "auto correlation",
-                                    "cross correlation",
-                                    "power spectral density",
-                                    "energy spectral density",
-                                    "probability density",
-                                    "spectrum"};
-  return type >= 0 && type < std::ssize(kNames) ? kNames[type] : "function of another type";
+std::vector<Uff58> read_uff58(std::string_view bytes, const std::string& file,
+                              const std::function<void(std::size_t)>& done_with) {
+  UffText text(bytes, file);
+  std::vector<Uff58> functions;
+  while (const auto type = text.next_dataset()) {
+    if (*type == 58) functions.push_back(read_function(text));
+    if (*type == 58 && done_with) done_with(bytes.size() - text.rest().size());
+    text.skip_to_end();
+  }
+  return functions;
+}
+
+double Uff58::noted(const std::string& key, double fallback) const {
+  const auto entry = remark.find(key);
+  double value = 0;
+  return entry != remark.end() && parse_whole_number(entry->second, '.', value) &&
+                 std::isfinite(value)
+             ? value
+             : fallback;
 }
 
 int uff58_direction(const std::array<double, 3>& axis) {

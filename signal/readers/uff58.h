@@ -78,12 +78,6 @@ namespace uff58_function {
 enum Type { general = 0, time_response = 1, frf = 4, coherence = 6 };
 }
 
-/// Specific data type of a time axis.
-enum { uff58_time = 17 };
-
-/// Words for a function type, such as "power spectral density".
-[[nodiscard]] const char* uff58_function_name(int type);
-
 struct Uff58Axis {
   int data_type =
       0;  ///< specific data type: 8 displacement, 12 acceleration, 13 force, 17 time ...

@@ -39,12 +39,18 @@ struct Channel {
   }
 };
 
-/// Something about a recording that a person should know; `code` is stable, `message` is for
-/// people.
+/// Something about a recording, or about what was made of it, that a person should know.
 struct Note {
-  std::string code;
-  std::string message;
-  std::string where;  ///< channel or line, may be empty
+  std::string code;        ///< stable, for programs
+  std::string message;     ///< for a person, with figures
+  std::string where = {};  ///< file, line, channel, point, mode ...; may be empty
+  bool refused = false;    ///< a result is missing because of it
+
+  static constexpr auto fields() {
+    using T = Note;
+    return std::tuple{field("code", &T::code), field("message", &T::message),
+                      field("where", &T::where)};
+  }
 };
 
 /// Where in a recording.
@@ -95,6 +101,11 @@ struct Recording {
   [[nodiscard]] double duration_s() const {
     if (time_s.size() > 0) return time_s[time_s.size() - 1] - time_s[0];
     return sample_rate_hz > 0 ? static_cast<double>(samples()) / sample_rate_hz : 0;
+  }
+  /// Time of a sample, s, of a recording with times or a rate.
+  [[nodiscard]] double time_at(Index sample) const {
+    if (time_s.size() > 0) return time_s[sample];
+    return start_time_s + static_cast<double>(sample) / sample_rate_hz;
   }
   /// Index of the channel of that name (exact, then case-insensitive, then 1-based "#k").
   /// Throws RecordingError, which lists the recording's channels.

@@ -17,9 +17,9 @@ constexpr double kStopBand = 1e-4;  // 80 dB
 // Pass band's and stop band's edges over the lower rate.
 constexpr double kFlat = 0.4, kClosed = 0.5;
 
-void check_size(const Recording& recording, double duration_s, double rate_hz) {
+void check_size(const Recording& recording, double rate_hz) {
   constexpr double kMostSamples = 1e9;
-  if (const double samples = duration_s * rate_hz; samples > kMostSamples) {
+  if (const double samples = recording.duration_s() * rate_hz; samples > kMostSamples) {
     throw file_error(recording.path, fmt::format("would have {:.3g} samples at that rate", samples),
                      "ask for a lower rate");
   }
@@ -44,23 +44,16 @@ double left_out_error(const VectorXd& t, const VectorXd& y) {
   return std::sqrt(left.squaredNorm() / static_cast<double>(left.size()));
 }
 
-/// Uneven samples at even times of `rate_hz`.
+/// Uneven samples, whose times rise, at even times of `rate_hz`.
 Recording made_even(const Recording& recording, double rate_hz,
                     std::vector<ResampledChannel>& channels) {
   const VectorXd& t = recording.time_s;
-  const Index n = t.size();
-  if (!t.allFinite() || !(t.tail(n - 1).array() > t.head(n - 1).array()).all()) {
-    throw file_error(recording.path, "the times do not rise throughout",
-                     "take out samples whose time goes back or repeats");
-  }
-  const double span = t[n - 1] - t[0];
-  check_size(recording, span, rate_hz);
   Recording even = recording;
   even.time_s.resize(0);
   even.sample_rate_hz = rate_hz;
   even.start_time_s = t[0];
   even.time_jitter_s = 0;
-  const auto samples = static_cast<Index>(std::floor(span * rate_hz + 1e-9)) + 1;
+  const auto samples = static_cast<Index>(std::floor(recording.duration_s() * rate_hz + 1e-9)) + 1;
   const auto at = VectorXd::NullaryExpr(samples, [&](Index k) {
                     return t[0] + static_cast<double>(k) / rate_hz;
                   }).eval();
@@ -133,6 +126,11 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
       throw file_error(recording.path, "has gaps in its times, across which nothing is known",
                        "resample the parts between the gaps");
     }
+    if (!(steps.array() > 0).all()) {
+      throw file_error(recording.path, "the times do not rise throughout",
+                       "take out samples whose time goes back or repeats");
+    }
+    check_size(recording, even);
     result.recording = made_even(recording, even, result.channels);
     add_note(result.recording.notes, "assumed", "",
              "uneven times, usual step {:.6g} s, to even ones at {:.9g} Hz by a cubic spline",
@@ -140,7 +138,7 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
     if (rate_hz == 0) rate_hz = even;
   } else {
     if (rate_hz == 0 || rate_hz == recording.sample_rate_hz) return result;
-    check_size(recording, recording.duration_s(), rate_hz);
+    check_size(recording, rate_hz);
   }
   if (rate_hz != result.recording.sample_rate_hz) {
     if (static_cast<double>(result.recording.samples() - 1) * rate_hz <

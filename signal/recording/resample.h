@@ -17,7 +17,6 @@ struct ResampledChannel {
   static constexpr std::string_view title = "largest error, but at the two ends";
   static constexpr auto fields() {
     using T = ResampledChannel;
-    using describe::field;
     return std::tuple{field("name", &T::name, "", "channel", ""),
                       field("unit", &T::unit, "", "unit", ""),
                       field("error_rms", &T::error_rms, "", "rms",
@@ -33,15 +32,14 @@ struct ResampleResult {
   /// 1e-4 of the channel's rms, except within the filter's half length of the two ends.
   std::vector<ResampledChannel> channels;
 
-  [[nodiscard]] double sample_rate_hz() const { return recording.sample_rate_hz; }
-  [[nodiscard]] Index samples() const { return recording.samples(); }
   static constexpr auto fields() {
     using T = ResampleResult;
-    using describe::field;
-    return std::tuple{field("from_hz", &T::from_hz, "Hz", "", "rate before"),
-                      field("sample_rate_hz", &T::sample_rate_hz, "Hz", "rate", "", 9),
-                      field("samples", &T::samples, "", "samples", ""),
-                      field("channels", &T::channels, "", "channels", "")};
+    return std::tuple{
+        field("from_hz", &T::from_hz, "Hz", "", "rate before"),
+        field("sample_rate_hz", describe::within(&T::recording, &Recording::sample_rate_hz), "Hz",
+              "rate", "", 9),
+        field("samples", describe::within(&T::recording, &Recording::samples), "", "samples", ""),
+        field("channels", &T::channels, "", "channels", "")};
   }
 };
 

@@ -7,8 +7,7 @@
 #include <iterator>
 
 #include "signal/readers/uff58.h"
-#include "signal/writers/write_csv.h"
-#include "signal/writers/write_uff.h"
+#include "signal/writers/writers.h"
 
 namespace rigfit::signal {
 namespace {
@@ -258,14 +257,9 @@ std::string csv_text(const Recording& recording,
   }
   text += "\n";
   const auto out = std::back_inserter(text);
-  const bool own_time = recording.time_s.size() == recording.samples();
   for (Index i = 0; i < recording.samples(); ++i) {
     // The rate can be read back from times that count from 1970 as well.
-    fmt::format_to(
-        out, "{:.15g}",
-        own_time && recording.time_s.size() > 0
-            ? recording.time_s[i]
-            : recording.start_time_s + static_cast<double>(i) / recording.sample_rate_hz);
+    fmt::format_to(out, "{:.15g}", recording.time_at(i));
     for (const auto& channel : recording.channels) {
       text += ',';
       const double value = (channel.samples[i] - channel.si_offset) / channel.si_per_source;

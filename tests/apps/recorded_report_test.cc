@@ -1,7 +1,7 @@
 // The report of a campaign with recordings, through the program: the virtual laboratory's whole
 // campaign against its truth, and a campaign with recordings that are broken in every way.
 #include "signal/readers/read_recording.h"
-#include "signal/writers/write_csv.h"
+#include "signal/writers/writers.h"
 #include "tests/apps/apps_test.h"
 #include "tests/apps/json_schema.h"
 

@@ -14,7 +14,6 @@
 
 #include "signal/readers/frequency_table.h"
 #include "signal/readers/read_recording.h"
-#include "signal/readers/read_uff_modes.h"
 #include "tests/fuzz/require_campaign.h"
 #include "tests/fuzz/require_scene.h"
 #include "tests/fuzz/require_sound.h"

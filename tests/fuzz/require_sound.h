@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "signal/readers/read_uff_modes.h"
+#include "signal/readers/read_recording.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {
@@ -45,13 +45,13 @@ inline void require_sound(const UffModes& file) {
     require(mode.frequency_hz >= before, "order of modes");
     before = mode.frequency_hz;
     require(!std::isinf(mode.damping_ratio) && mode.damping_ratio != 0, "damping ratio");
-    for (const auto& node : mode.shape) {
-      for (const auto& value : node.translation) {
+    for (const auto& [node, translation] : mode.shape) {
+      for (const auto& value : translation) {
         require(std::isfinite(value.real()) && std::isfinite(value.imag()), "shape");
       }
     }
   }
-  for (const auto& node : file.nodes) {
+  for (const auto& [number, node] : file.nodes) {
     for (const double x : node.position_m) require(std::isfinite(x), "coordinate");
   }
 }

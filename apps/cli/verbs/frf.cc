@@ -2,8 +2,7 @@
 // other verbs begin with one (ident/campaign/modal/modal_campaign.h).
 
 #include "apps/cli/verbs/all.h"
-#include "signal/writers/write_csv.h"
-#include "signal/writers/write_uff.h"
+#include "signal/writers/writers.h"
 
 namespace rigfit::apps {
 namespace {

@@ -5,7 +5,7 @@
 #include "signal/ambient/ambient_modes.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/readers/read_recording.h"
-#include "signal/writers/write_uff.h"
+#include "signal/writers/writers.h"
 
 namespace rigfit::apps {
 namespace {
@@ -57,9 +57,7 @@ signal::AmbientResult analysed(const ModalCommand& command, VerbContext& context
 
 Json ambient_result(const ModalCommand& command, VerbContext& context) {
   const signal::AmbientResult found = analysed(command, context);
-  for (const auto& note : found.notes) {
-    context.tell({{note.code, note.message, note.where, note.code == "no_modes"}});
-  }
+  context.tell(found.notes);
   Json result = describe::json_of(found);
   result["input_points"] = Json::array();
   result["ambient"] = true;
@@ -102,7 +100,7 @@ ImpactRun frfs_of(ModalCommand& options, VerbContext& context) {
     frfs.exponential_decay_rate_1_s = rate;
   }
   signal::error_bars_from_coherence(frfs, options.averages, options.band());
-  for (const auto& note : frfs.notes) context.warn(note.code, note.message, note.where);
+  context.tell(frfs.notes);
   return given;
 }
 

@@ -2,7 +2,7 @@
 
 #include "signal/recording/resample.h"
 #include "apps/cli/verbs/all.h"
-#include "signal/writers/write_csv.h"
+#include "signal/writers/writers.h"
 
 namespace rigfit::apps {
 namespace {

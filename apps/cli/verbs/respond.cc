@@ -4,33 +4,7 @@
 #include "model/response/response.h"
 #include "model/scene/scene_error.h"
 #include "model/scene/sensor_quantity.h"
-#include "signal/writers/write_csv.h"
-
-namespace rigfit::describe {
-
-template <>
-struct Described<model::ResponseResult> {
-  using T = model::ResponseResult;
-  static constexpr auto fields = std::tuple{
-      field("solver", &T::solver, "", "solver", ""),
-      field("solver_reason", &T::told),
-      field("nonlinear", &T::nonlinear, "", "non-linear", "the shift exceeds the accuracy asked"),
-      field("frequency_shift", &T::frequency_shift, "%", "shift of frequencies",
-            "by the motion, estimated", 2),
-      field("frequency_at_rest_hz", &T::frequency_at_rest_hz, "Hz", "frequency at rest",
-            "of the mode with most of the energy", 5),
-      field("frequency_moving_hz", &T::frequency_moving_hz, "Hz", "frequency in motion", "", 5),
-      field("", &T::motion, "", "motion", ""),
-      field("", &T::unknowns, "", "unknowns", ""),
-      field("steps", &T::steps, "", "steps", ""),
-      field("step_s", &T::step_s),
-      field("wall_s", &T::wall_s, "s", "time", "to compute the samples", 3),
-      field("energy_drift", &T::energy_drift, "", "energy drift", "", 2),
-      field("sample_rate_hz", &T::rate_hz),
-      field("", &T::left_out, "", "left out", "")};
-};
-
-}  // namespace rigfit::describe
+#include "signal/writers/writers.h"
 
 namespace rigfit::apps {
 namespace {
@@ -46,11 +20,10 @@ struct RespondCommand {
 model::ForceHistory read_force(const model::Load& load, const std::string& scene_file,
                                VerbContext& context) {
   const signal::Recording recording = load_recording(load.file, context);
-  const auto& times = recording.time_s;
   const auto& force = recording.channels.front();
   const bool is_force =
       force.quantity == signal::Quantity::force || force.quantity == signal::Quantity::unknown;
-  const bool timed = times.size() > 0 || recording.sample_rate_hz > 0;
+  const bool timed = recording.time_s.size() > 0 || recording.sample_rate_hz > 0;
   for (const auto& [there, problem] :
        {std::pair{recording.channels.size() > 1, "has more than one channel"},
         {!is_force, "has no force channel"},
@@ -62,8 +35,7 @@ model::ForceHistory read_force(const model::Load& load, const std::string& scene
   }
   model::ForceHistory history{{}, {force.samples.begin(), force.samples.end()}};
   for (Eigen::Index i = 0; i < force.samples.size(); ++i) {
-    const double even = static_cast<double>(i) / recording.sample_rate_hz;
-    history.time_s.push_back(times.size() > 0 ? times(i) : recording.start_time_s + even);
+    history.time_s.push_back(recording.time_at(i));
   }
   return history;
 }

@@ -12,8 +12,7 @@
 #include "model/response/response.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
-#include "signal/writers/write_csv.h"
-#include "signal/writers/write_uff.h"
+#include "signal/writers/writers.h"
 
 namespace rigfit::apps {
 namespace {

@@ -55,9 +55,7 @@ py::list channels_of(const Shared& recording) {
 }
 
 py::object notes_of(const signal::Recording& recording) {
-  return to_python(describe::json_list(recording.notes, [](const signal::Note& note) {
-    return describe::json_of(apps::Finding{note.code, note.message, note.where});
-  }));
+  return to_python(describe::json_of(recording.notes));
 }
 
 /// A channel in its own unit: a copy of its numbers, in SI.

@@ -8,11 +8,6 @@ namespace {
 
 using Eigen::Index;
 
-template <class Time>
-void add_samples(PlotSeries& series, const Eigen::Ref<const Eigen::VectorXd>& samples, Time time) {
-  for (Index i = 0; i < samples.size(); ++i) series.add(time(i), samples[i]);
-}
-
 PlotSeries amplitude_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples, double rate_hz,
                               PlotSeries series) {
   const Index n = samples.size();
@@ -46,8 +41,9 @@ std::vector<Plot> response_plots(const std::string& id, const model::Scene& scen
         "time, s", fmt::format("{}, {}", quantity.name, unit)};
     plot.link = id;
     PlotSeries series{response.sensors[k]};
-    add_samples(series, response.samples.col(s),
-                [&](Index i) { return static_cast<double>(i) / response.rate_hz; });
+    for (Index i = 0; i < response.samples.rows(); ++i) {
+      series.add(static_cast<double>(i) / response.rate_hz, response.samples(i, s));
+    }
     plot.add(std::move(series));
     plots.push_back(std::move(plot));
     auto same = std::ranges::find(spectra, "amplitude, " + unit, &Plot::y_label);
@@ -107,11 +103,6 @@ std::vector<Plot> recording_plots(const std::string& id, const signal::Recording
   constexpr std::size_t kMostClipped = 1000;  // points drawn of clipped samples
   std::vector<Plot> plots;
   if (!(recording.sample_rate_hz > 0) && recording.time_s.size() == 0) return plots;
-  const auto time = [&](Index i) {
-    return recording.time_s.size() > 0
-               ? recording.time_s[i]
-               : recording.start_time_s + static_cast<double>(i) / recording.sample_rate_hz;
-  };
   for (std::size_t k = 0; k < recording.channels.size(); ++k) {
     const auto& channel = recording.channels[k];
     const auto& found = quality[k];
@@ -121,14 +112,16 @@ std::vector<Plot> recording_plots(const std::string& id, const signal::Recording
               "time, s", fmt::format("{}, {}", channel.name, unit_words(channel.unit))};
     plot.link = id;
     PlotSeries record{"record", Origin::measured};
-    add_samples(record, channel.samples, time);
+    for (Index i = 0; i < channel.samples.size(); ++i) {
+      record.add(recording.time_at(i), channel.samples[i]);
+    }
     plot.add(std::move(record));
     PlotSeries clipped{fmt::format("clipped ({} samples)", found.clipped_samples), Origin::modelled,
                        1, PlotSeries::Style::points};
     for (Index i = 0; found.clipped_samples > 0 && i < channel.samples.size(); ++i) {
       const double y = channel.samples[i];
       const bool at_end = y == found.max || y == found.min;
-      if (at_end && clipped.x.size() < kMostClipped) clipped.add(time(i), y);
+      if (at_end && clipped.x.size() < kMostClipped) clipped.add(recording.time_at(i), y);
     }
     plot.add(std::move(clipped));
     for (const auto& finding : found.findings) {
@@ -136,7 +129,7 @@ std::vector<Plot> recording_plots(const std::string& id, const signal::Recording
       if (finding.first < 0 || finding.first >= channel.samples.size()) continue;
       std::string word = finding.code;
       std::replace(word.begin(), word.end(), '_', ' ');
-      plot.marks.push_back({time(finding.first), word, true});
+      plot.marks.push_back({recording.time_at(finding.first), word, true});
     }
     std::ranges::sort(plot.marks, {}, &PlotMark::x);
     plots.push_back(std::move(plot));

@@ -8,6 +8,13 @@
 
 namespace rigfit::apps {
 
+struct Answer;
+/// "N", "1" of a ratio.
+[[nodiscard]] std::string unit_of(const Answer& answer);
+/// What the value is worth, in words: how well it is known, and whether it agrees with what is
+/// known otherwise (inside the 95 % interval or not).
+[[nodiscard]] std::string verdict_words(const Answer& answer);
+
 struct Answer {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
@@ -29,19 +36,33 @@ struct Answer {
   bool of_structure = false;
   bool recommended = true;  ///< no other answer for this quantity is known better
   double mode_hz = kNone;   ///< frequency of the mode that it belongs to, where it does
+
+  static constexpr auto fields() {
+    using T = Answer;
+    return std::tuple{
+        field("key", &T::key, "", "", "the same in every report of the campaign"),
+        field("quantity", &T::quantity, "", "", ""),
+        field("value", &T::value, "", "", "SI; null: not determined"),
+        field("std", &T::std, "", "", "standard uncertainty"),
+        field("low", &T::low, "", "", "95 %; null: open"),
+        field("high", &T::high, "", "", "95 %; null: open"),
+        field("unit", &unit_of, "", "", ""),
+        field("how", &T::how, "", "", "what it was found from"),
+        field("verdict", &verdict_words, "", "", "how well it is known, and agrees"),
+        field("determined", &T::determined, "", "", "by these data"),
+        field("structure", &T::structure, "", "", "what it belongs to"),
+        field("recommended", &T::recommended, "", "", "no other answer is known better"),
+        field("mode_hz", &T::mode_hz, "Hz", "", "of the mode that it belongs to"),
+        field("reference", &T::reference, "", "", "as known otherwise")};
+  }
 };
 
 /// "Tip mass, rig".
 [[nodiscard]] std::string quantity_words(const Answer& answer);
-/// "N", "1" of a ratio.
-[[nodiscard]] std::string unit_of(const Answer& answer);
 /// "2.1714 ± 0.0045", in the unit that is shown (describe::shown_unit).
 [[nodiscard]] std::string value_words(const Answer& answer);
 /// "2.163 to 2.180"; empty where no interval is known.
 [[nodiscard]] std::string interval_words(const Answer& answer);
-/// What the value is worth, in words: how well it is known, and whether it agrees with what is
-/// known otherwise (inside the 95 % interval or not).
-[[nodiscard]] std::string verdict_words(const Answer& answer);
 /// True when the verdict is a warning.
 [[nodiscard]] bool doubtful(const Answer& answer);
 
@@ -65,27 +86,3 @@ void recommend(std::vector<Answer*>& answers);
 [[nodiscard]] std::string state_words(std::string name);
 
 }  // namespace rigfit::apps
-
-namespace rigfit::describe {
-
-template <>
-struct Described<apps::Answer> {
-  using T = apps::Answer;
-  static constexpr auto fields =
-      std::tuple{field("key", &T::key, "", "", "the same in every report of the campaign"),
-                 field("quantity", &T::quantity, "", "", ""),
-                 field("value", &T::value, "", "", "SI; null: not determined"),
-                 field("std", &T::std, "", "", "standard uncertainty"),
-                 field("low", &T::low, "", "", "95 %; null: open"),
-                 field("high", &T::high, "", "", "95 %; null: open"),
-                 field("unit", &apps::unit_of, "", "", ""),
-                 field("how", &T::how, "", "", "what it was found from"),
-                 field("verdict", &apps::verdict_words, "", "", "how well it is known, and agrees"),
-                 field("determined", &T::determined, "", "", "by these data"),
-                 field("structure", &T::structure, "", "", "what it belongs to"),
-                 field("recommended", &T::recommended, "", "", "no other answer is known better"),
-                 field("mode_hz", &T::mode_hz, "Hz", "", "of the mode that it belongs to"),
-                 field("reference", &T::reference, "", "", "as known otherwise")};
-};
-
-}  // namespace rigfit::describe

@@ -1,5 +1,5 @@
 #include "apps/report/parts/parts.h"
-#include "signal/writers/write_uff.h"
+#include "signal/writers/writers.h"
 
 namespace rigfit::apps {
 namespace {

@@ -195,7 +195,7 @@ void analyse_ambient(ModalTestState& state, const ModalTestOptions& options) {
     state.findings.push_back({"recording", error.what(), "", true});
     return;
   }
-  add_notes(found.notes, state.findings, "", {"no_modes"});
+  add_notes(found.notes, state.findings);
   state.channels = found.channels;
   auto& modal = state.modal.emplace();
   modal.low_hz = found.low_hz, modal.high_hz = found.high_hz;
@@ -306,7 +306,7 @@ std::optional<signal::ModalResult> identify(const signal::FrfSet& frfs,
     tell_rate(rate_relative_std, found.model.modes.front().frequency_hz, "", findings);
     add_rate_to_model(rate_relative_std, found.model);
   }
-  add_notes(found.model.notes, findings, "", {"no_modes", "rank_deficient"});
+  add_notes(found.model.notes, findings);
   for (const auto& mode : found.model.modes) {
     const bool window = mode.damping_dominated_by_window;
     if (!window && !mode.doubtful) continue;

@@ -7,7 +7,7 @@
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
 #include "signal/recording/recording.h"
-#include "signal/writers/write_uff.h"
+#include "signal/writers/writers.h"
 #include "tests/apps/apps_test.h"
 #include "tests/scenes.h"
 

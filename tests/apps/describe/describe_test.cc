@@ -24,25 +24,17 @@ struct Result {
   std::optional<double> stiffness;
   double formula_N = NAN;
   std::vector<Row> rows;
+
+  static constexpr auto fields() {
+    using T = Result;
+    return std::tuple{
+        field("EA_N", &T::EA_N, "N", "EA", "axial rigidity"),
+        field("stiffness_N_m", &T::stiffness, "N/m", "stiffness", "where it is known"),
+        field("formula_N", &T::formula_N, "N", "a formula", "from the lowest mode"),
+        field("rows", &T::rows, "", "rows", "what each length says")};
+  }
 };
 
-}  // namespace rigfit::describe_test
-
-namespace rigfit::describe {
-
-template <>
-struct Described<describe_test::Result> {
-  using T = describe_test::Result;
-  static constexpr auto fields =
-      std::tuple{field("EA_N", &T::EA_N, "N", "EA", "axial rigidity"),
-                 field("stiffness_N_m", &T::stiffness, "N/m", "stiffness", "where it is known"),
-                 field("formula_N", &T::formula_N, "N", "a formula", "from the lowest mode"),
-                 field("rows", &T::rows, "", "rows", "what each length says")};
-};
-
-}  // namespace rigfit::describe
-
-namespace rigfit::describe_test {
 namespace {
 
 Result result() {

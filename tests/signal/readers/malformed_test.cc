@@ -2,7 +2,6 @@
 // mutations of both, gives a sound recording or a RecordingError: never a crash, a hang or a wrong
 // count. The libFuzzer targets in tests/fuzz search deeper.
 #include "signal/readers/read_recording.h"
-#include "signal/readers/read_uff_modes.h"
 #include "signal/readers/uff58.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_sound.h"

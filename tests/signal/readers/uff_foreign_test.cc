@@ -2,7 +2,7 @@
 // is said of those that cannot be taken.
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff58.h"
-#include "signal/writers/write_uff.h"
+#include "signal/writers/writers.h"
 #include "tests/signal/readers/reading.h"
 #include "tests/test.h"
 
@@ -162,7 +162,7 @@ TEST(UffForeign, ZerosThatFillTheLastLineAreNoValues) {
   std::string text = time_history({"1", "2", "4"}).text();
   const auto end = text.rfind("    -1");
   EXPECT_EQ(read_uff(text.insert(end, "  0.0  0.0\n"), "x.uff").samples(), 3);
-  EXPECT_THROW(read_uff(text.insert(end, "  1.0\n"), "x.uff"), RecordingError);
+  EXPECT_THROW((void)read_uff(text.insert(end, "  1.0\n"), "x.uff"), RecordingError);
 }
 
 TEST(UffForeign, FrfsThatDoNotFitEachOtherSayWhich) {

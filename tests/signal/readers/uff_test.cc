@@ -3,7 +3,7 @@
 
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff58.h"
-#include "signal/writers/write_uff.h"
+#include "signal/writers/writers.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/signal/readers/reading.h"
 #include "tests/test.h"

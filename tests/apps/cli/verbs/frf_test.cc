@@ -1,5 +1,5 @@
 #include "signal/readers/read_recording.h"
-#include "signal/writers/write_csv.h"
+#include "signal/writers/writers.h"
 #include "tests/apps/apps_test.h"
 #include "tests/reference/ten_mode_truth.h"
 

@@ -1,8 +1,8 @@
-#include "signal/writers/write_csv.h"
+#include "signal/writers/writers.h"
 
 #include "tests/test.h"
 
-namespace rigfit::signal::write_csv_test {
+namespace rigfit::signal::writers_test {
 
 TEST(WriteCsv, WritesHeaderUnitsMissingAndQuotes) {
   Recording recording{.sample_rate_hz = 500};
@@ -16,4 +16,4 @@ TEST(WriteCsv, WritesHeaderUnitsMissingAndQuotes) {
             "Data,synthetic\nTime (s),\"acc, mid (g)\"\n0,1\n0.002,\n");
 }
 
-}  // namespace rigfit::signal::write_csv_test
+}  // namespace rigfit::signal::writers_test
