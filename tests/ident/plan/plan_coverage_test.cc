@@ -113,7 +113,7 @@ TEST(PlanCoverage, OfNoisyRecords) {
   // At a tenth of the span, along y: sees all modes but the fourth, whose node the hammer strikes.
   constexpr std::size_t kSensor = 2;
   const PlanTest test{0, 0, {kSensor}, 0, 0};
-  const auto modes = planned_modes(candidates, options, {test});
+  const auto modes = planned_modes(candidates, {test});
   ASSERT_EQ(modes.size(), 5u);
   const Eigen::MatrixXd C = plan_covariance(candidates, modes);
   std::vector<PlannedParameter> predicted;
