@@ -15,8 +15,7 @@
 
 namespace rigfit::apps {
 
-struct MeasuredTableRow {
-  ident::MeasuredMode mode;
+struct MeasuredTableRow : ident::MeasuredMode {
   std::optional<double> tension_N;
 };
 

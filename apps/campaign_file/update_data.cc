@@ -117,12 +117,12 @@ class StateReader {
     const bool universal = is_universal_file(source.path);
     auto rows = measured_modes(source.path, data_.column, source.plane, scene, context_);
     if (universal) {
-      std::erase_if(rows, [&](const auto& row) { return !in_band(row.mode.frequency_hz.value); });
+      std::erase_if(rows, [&](const auto& row) { return !in_band(row.frequency_hz.value); });
     }
     if (rows.empty()) throw UsageError(source.path + " has no mode within --band");
     for (auto& row : rows) {
       const auto state = state_at(source.scene, scene, universal ? source.tension : row.tension_N);
-      result_.states[state].measured.push_back(std::move(row.mode));
+      result_.states[state].measured.push_back(std::move(row));
     }
   }
 
@@ -265,7 +265,7 @@ std::vector<ident::UncertainInput> known_inputs(const ident::KnownValues& known,
                                                 const UpdateStates& states) {
   std::vector<ident::StateUse> uses;
   for (std::size_t s = 0; s < states.states.size(); ++s) {
-    uses.push_back({static_cast<int>(s), use_of_cables(states.states[s].scene), states.tension[s]});
+    uses.push_back({use_of_cables(states.states[s].scene), states.tension[s]});
   }
   return ident::known_inputs(known, uses);
 }

@@ -192,7 +192,7 @@ std::unique_ptr<TestPart> part_of(const Campaign& campaign, const CampaignTest& 
                                   const VerbContext& context) {
   if (test.is<BendingTest>()) return bending_part(test);
   if (test.is<AxialTest>()) return axial_part(test, context.threads);
-  if (test.is<DecayTest>()) return decay_part(campaign, test);
+  if (test.is<DecayTest>()) return decay_part(test);
   if (test.is<TensionTest>()) return tension_part(test);
   return modal_part(campaign, test);
 }

@@ -39,8 +39,7 @@ CampaignFitOutcome run_fit(const FitInputs& fit, const CampaignResult& so_far) {
     for (const auto& modal : std::get<ModalOutcome>(so_far.tests[t]).model) {
       UpdateState state = fit_state(test, modal);
       if (state.measured.empty()) continue;
-      const int index = static_cast<int>(result.states.size());
-      uses.push_back({index, *test.scene, modal.tension_N});
+      uses.push_back({*test.scene, modal.tension_N});
       result.states.push_back(&modal);
       result.given.push_back(std::move(state));
     }

@@ -5,14 +5,7 @@ namespace {
 
 class DecayPart : public TestPart {
  public:
-  DecayPart(const Campaign& campaign, const CampaignTest& test) : TestPart(test, "decays") {
-    auto& inputs = std::get<ident::DecayInputs>(inputs_);
-    for (std::size_t f = 0; f < campaign.fits.size(); ++f) {
-      for (const std::size_t seen : campaign.fits[f].predicts) {
-        if (&campaign.tests[seen] == &test) inputs.fits.push_back(f);
-      }
-    }
-  }
+  explicit DecayPart(const CampaignTest& test) : TestPart(test, "decays") {}
 
   std::vector<ReportPart> show(ident::TestInputs& inputs, ident::TestResult& result) override {
     const auto& recordings = std::get<ident::DecayInputs>(inputs).recordings;
@@ -121,8 +114,6 @@ class DecayPart : public TestPart {
 
 }  // namespace
 
-TestPartPtr decay_part(const Campaign& campaign, const CampaignTest& test) {
-  return std::make_unique<DecayPart>(campaign, test);
-}
+TestPartPtr decay_part(const CampaignTest& test) { return std::make_unique<DecayPart>(test); }
 
 }  // namespace rigfit::apps

@@ -48,7 +48,7 @@ using TestPartPtr = std::unique_ptr<TestPart>;
 /// EI of a strand against its tension, or of a beam without tension.
 [[nodiscard]] TestPartPtr bending_part(const CampaignTest& test);
 /// Free decays; where a scene stands for the test, its answer by the same estimator.
-[[nodiscard]] TestPartPtr decay_part(const Campaign& campaign, const CampaignTest& test);
+[[nodiscard]] TestPartPtr decay_part(const CampaignTest& test);
 /// Recordings of hits, FRFs and modes state by state; then the model's modes against them.
 [[nodiscard]] TestPartPtr modal_part(const Campaign& campaign, const CampaignTest& test);
 /// The tension of a cable from its frequencies.
