@@ -1,7 +1,6 @@
 #include "apps/campaign_file/measured_modes.h"
 
 #include <Eigen/Geometry>
-#include <fstream>
 
 #include "apps/results/text_table.h"
 #include "model/scene/scene_error.h"
@@ -114,11 +113,7 @@ Eigen::Vector3d position_of(const model::Scene& scene, const model::Place& place
 }
 
 bool is_universal_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string head(1024, '\0');
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
-  return signal::format_of(head) == "uff";
+  return signal::format_of(signal::MappedFile(path).bytes()) == "uff";
 }
 
 std::vector<MeasuredTableRow> measured_modes(const std::string& path, const std::string& column,

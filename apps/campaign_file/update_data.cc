@@ -182,7 +182,11 @@ class StateReader {
     }
     state.modes_lead_only = true;
     for (std::size_t r = 0; r < sensors.size(); ++r) {
-      const auto form = form_of(scene.sensors[sensors[r].first].quantity, path);
+      const auto& quantity = model::described(scene.sensors[sensors[r].first].quantity);
+      const auto form = signal::form_of(signal::parse_unit(quantity.unit)->quantity);
+      if (form == signal::FrfForm::unknown) {
+        throw UsageError(path + ": FRFs of force sensors are not fitted");
+      }
       const signal::FrfSet same = set.form == form ? set : signal::converted(set, form);
       std::vector<Eigen::Index> lines;
       for (Eigen::Index k = 0; k < same.frequency_hz.size(); ++k) {
@@ -218,13 +222,6 @@ class StateReader {
         fmt::format("{}: \"{}\" is no {} of the scene, which has {}: give it that "
                     "name in the scene",
                     path, name, what, fmt::join(known, ", ")));
-  }
-
-  static signal::FrfForm form_of(model::Sensor::Quantity quantity, const std::string& path) {
-    const auto unit = signal::parse_unit(model::described(quantity).unit);
-    const auto form = signal::form_of(unit ? unit->quantity : signal::Quantity::unknown);
-    if (form != signal::FrfForm::unknown) return form;
-    throw UsageError(path + ": FRFs of force sensors are not fitted");
   }
 
   void read_decay(const Source& source) {
