@@ -63,17 +63,16 @@ struct PlannedMode {
   std::string state_name = {};
   VectorXd dlog_frequency, dlog_damping;  ///< d ln f, d ln zeta by coordinate
   model::ModePlane plane = model::ModePlane::in;
-  int order = 0;  ///< among the modes of its plane, from 0
+  int order = 0;  ///< among the modes of its plane, from 1
   double frequency_hz = 0, damping_ratio = 0;
   double frequency_std = 0, damping_std = 0;  ///< relative, the model's error included
 
   [[nodiscard]] Estimate frequency() const { return {frequency_hz, frequency_std * frequency_hz}; }
   [[nodiscard]] Estimate damping() const { return {damping_ratio, damping_std * damping_ratio}; }
-  [[nodiscard]] int order_from_one() const { return order + 1; }
   static constexpr auto fields() {
     using T = PlannedMode;
     return std::tuple{field("state", &T::state_name), field("plane", &T::plane),
-                      field("order", &T::order_from_one),
+                      field("order", &T::order),
                       field("frequency_hz", &T::frequency, "Hz", "", "as an update will get it"),
                       field("damping_ratio", &T::damping)};
   }

@@ -89,7 +89,7 @@ PlanStateModes state_modes(int state, const PlanCandidates& candidates) {
     }
     result.modes.push_back({static_cast<std::size_t>(state),
                             candidates.problem.states()[static_cast<std::size_t>(state)].name,
-                            mode.dlog_frequency, mode.dlog_damping, natural.plane, mode.order - 1,
+                            mode.dlog_frequency, mode.dlog_damping, natural.plane, mode.order,
                             mode.frequency_hz, natural.damping_ratio});
     result.amplitude.push_back(decay_amplitudes(natural, candidates));
   }

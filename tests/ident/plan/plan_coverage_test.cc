@@ -54,7 +54,7 @@ std::vector<model::NaturalMode> natural_modes(const model::Scene& scene) {
 
 double frequency(const std::vector<model::NaturalMode>& modes, model::ModePlane plane, int order) {
   for (const auto& mode : modes) {
-    if (mode.plane == plane && order-- == 0) return mode.frequency_hz;
+    if (mode.plane == plane && --order == 0) return mode.frequency_hz;
   }
   return 0;
 }
