@@ -187,8 +187,7 @@ std::vector<ModalState> modal_states(const ModalInputs& test, const KnownValues&
     if (one.has_modes()) add_recorded(states, one, models);
   }
   for (const auto& one : test.published) add_published(states, one);
-  std::sort(states.begin(), states.end(),
-            [](const ModalState& a, const ModalState& b) { return a.tension_N < b.tension_N; });
+  std::ranges::sort(states, {}, &ModalState::tension_N);
   for (auto& state : states) {
     state.rig.scene = scene_at(use, known, state.tension_N);
     if (state.tension_N && !known.EI.empty() && !use.EI_of.empty()) {
