@@ -47,11 +47,11 @@ void TensionTest::complete() {
   if (EA_N) cable.EA_N = {*EA_N, EA_std_N};
   options.ends = ident::cable_ends(ends);
   for (std::size_t i = 0; i < frequencies_hz.size(); ++i) {
-    ident::MeasuredMode mode;
-    mode.frequency_hz = {frequencies_hz[i], frequency_std_hz > 0 ? frequency_std_hz : std::nan("")};
+    auto& mode = modes.emplace_back();
+    mode.frequency_hz.value = frequencies_hz[i];
+    if (frequency_std_hz > 0) mode.frequency_hz.std = frequency_std_hz;
     if (i < orders.size()) mode.order = static_cast<int>(std::lround(orders[i]));
     mode.plane = plane;
-    modes.push_back(std::move(mode));
   }
 }
 

@@ -146,7 +146,6 @@ struct FitParameter : ident::FreeParameter {
 struct CampaignFit : ident::FitInputs {
   std::string name;
   std::vector<FitParameter> parameters;
-  std::vector<std::size_t> predicts;  ///< decay tests shown with what was found
   std::vector<std::string> test_names, predicted_names;
   std::string reference_name = "earlier value";
 };

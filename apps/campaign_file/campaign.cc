@@ -258,9 +258,8 @@ class Reader {
       std::ostream nothing(nullptr);
       VerbContext context(nothing);  // its remarks are on shapes, of which a tension takes none
       context.silent = true;
-      for (auto& row : measured_modes(file, tension.column, tension.plane, {}, context)) {
-        tension.modes.push_back(std::move(row.mode));
-      }
+      const auto rows = measured_modes(file, tension.column, tension.plane, {}, context);
+      tension.modes.assign(rows.begin(), rows.end());
     }
     try {
       tension.complete();
@@ -429,7 +428,6 @@ class Reader {
     fit.title = fit.name = name_in(table, taken);
     read_keys(table, keys_of(fit));
     fit.tests = tests_named<ModalTest>(fit.test_names, table, "tests", "modal");
-    fit.predicts = tests_named<DecayTest>(fit.predicted_names, table, "predicts", "decay");
     for (TomlTable& entry : table.tables_or_empty("parameter")) {
       fit.parameters.push_back(read_parameter(entry, fit));
       fit.free.push_back(fit.parameters.back());
@@ -437,8 +435,10 @@ class Reader {
     if (fit.parameters.empty()) {
       throw table.error("parameter", "is missing", "a fit needs at least one [[fit.parameter]]");
     }
-    for (const std::size_t test : fit.predicts) {  // their scene has all of the fit's parameters
-      for (const auto& parameter : fit.parameters) {
+    for (const std::size_t test :
+         tests_named<DecayTest>(fit.predicted_names, table, "predicts", "decay")) {
+      std::get<DecayTest>(campaign_.tests[test].kind).fits.push_back(campaign_.fits.size());
+      for (const auto& parameter : fit.parameters) {  // the test's scene has all of them
         for (const auto& target : parameter.targets) {
           check_parameter(scene_of(test), target, table, "predicts");
         }

@@ -70,9 +70,7 @@ std::vector<MeasuredTableRow> modes_of_table(const std::filesystem::path& path,
   check_shapes(table, sensors);
   std::vector<MeasuredTableRow> rows;
   for (const auto& line : table.rows) {
-    MeasuredTableRow row;
-    auto& mode = row.mode;
-    mode.frequency_hz = mode.damping_ratio = {kNaN, kNaN};
+    MeasuredTableRow mode;
     mode.plane = plane;
     describe::Options keys{
         option(frequency, mode.frequency_hz.value, "").positive(),
@@ -80,7 +78,7 @@ std::vector<MeasuredTableRow> modes_of_table(const std::filesystem::path& path,
         option("damping_std", mode.damping_ratio.std, "").positive(),
         choice("plane", mode.plane, {"any", "in", "out"}, ""),
         option("order", mode.order, "in its plane").within(1, 200),
-        option("tension_N", row.tension_N, "").positive()};
+        option("tension_N", mode.tension_N, "").positive()};
     for (const char* name : {"frequency_std", "frequency_std_hz", "std_hz", "std"}) {
       keys.push_back(option(name, mode.frequency_hz.std, "").positive());
     }
@@ -92,7 +90,7 @@ std::vector<MeasuredTableRow> modes_of_table(const std::filesystem::path& path,
     if (std::isnan(mode.frequency_hz.value)) continue;  // a dash: not measured
     const Eigen::Map<Eigen::VectorXd> at(shape.data(), static_cast<Eigen::Index>(shape.size()));
     if (at.size() > 0 && at.allFinite()) mode.shape = at.cast<std::complex<double>>();
-    rows.push_back(std::move(row));
+    rows.push_back(std::move(mode));
   }
   if (rows.empty()) {
     throw model::SceneError({table.file, 0, 0, frequency}, "no mode is listed",
@@ -138,11 +136,10 @@ std::vector<MeasuredTableRow> measured_modes(const std::string& path, const std:
   int absent = 0;
   for (const auto& found : file.modes) {
     MeasuredTableRow row;
-    row.mode.frequency_hz = {found.frequency_hz, signal::kNaN};
+    row.frequency_hz.value = found.frequency_hz;
     // A ratio that is not positive is none of a mode; it is not fitted.
-    row.mode.damping_ratio = {found.damping_ratio > 0 ? found.damping_ratio : signal::kNaN,
-                              signal::kNaN};
-    row.mode.plane = plane;
+    if (found.damping_ratio > 0) row.damping_ratio.value = found.damping_ratio;
+    row.plane = plane;
     Eigen::VectorXcd shape(static_cast<Eigen::Index>(nodes.size()));
     bool whole = !nodes.empty() && !found.shape.empty();
     for (std::size_t s = 0; s < nodes.size() && whole; ++s) {
@@ -155,7 +152,7 @@ std::vector<MeasuredTableRow> measured_modes(const std::string& path, const std:
     }
     whole = whole && shape.squaredNorm() > 0;
     absent += !whole && !nodes.empty();
-    if (whole) row.mode.shape = shape;
+    if (whole) row.shape = shape;
     rows.push_back(std::move(row));
   }
   if (absent > 0) {

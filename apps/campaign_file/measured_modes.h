@@ -15,15 +15,14 @@
 
 namespace rigfit::apps {
 
-struct MeasuredTableRow {
-  ident::MeasuredMode mode;
+struct MeasuredTableRow : ident::MeasuredMode {
   std::optional<double> tension_N;
 };
 
 /// Where a sensor or load of the scene is, m, along straight members.
 [[nodiscard]] Eigen::Vector3d position_of(const model::Scene& scene, const model::Place& place);
 
-/// Whether the file begins as a universal file does.
+/// Whether the file begins as a universal file does. Throws signal::RecordingError for no file.
 [[nodiscard]] bool is_universal_file(const std::filesystem::path& path);
 
 /// A table, or a universal file's datasets 55, as an input of the run. `column`: of the frequency;

@@ -8,7 +8,6 @@
 
 #include "apps/cli/progress.h"
 #include "model/scene/read_scene.h"
-#include "model/scene/scene_error.h"
 #include "signal/readers/read_recording.h"
 #include "signal/recording/recording.h"
 #include "signal/recording/recording_time.h"
@@ -140,9 +139,7 @@ std::vector<LoadedRecording> load_recordings(const std::vector<RecordingGroup>& 
       context.hashes_inputs = false;
       try {
         entry.recording = load_recording(file, context, groups[k].description);
-      } catch (const signal::RecordingError& error) {
-        entry.error = error.what();
-      } catch (const model::SceneError& error) {
+      } catch (const std::runtime_error& error) {  // RecordingError, SceneError
         entry.error = error.what();
       }
       loaded.push_back(std::move(entry));

@@ -117,12 +117,12 @@ class StateReader {
     const bool universal = is_universal_file(source.path);
     auto rows = measured_modes(source.path, data_.column, source.plane, scene, context_);
     if (universal) {
-      std::erase_if(rows, [&](const auto& row) { return !in_band(row.mode.frequency_hz.value); });
+      std::erase_if(rows, [&](const auto& row) { return !in_band(row.frequency_hz.value); });
     }
     if (rows.empty()) throw UsageError(source.path + " has no mode within --band");
     for (auto& row : rows) {
       const auto state = state_at(source.scene, scene, universal ? source.tension : row.tension_N);
-      result_.states[state].measured.push_back(std::move(row.mode));
+      result_.states[state].measured.push_back(std::move(row));
     }
   }
 
@@ -182,7 +182,11 @@ class StateReader {
     }
     state.modes_lead_only = true;
     for (std::size_t r = 0; r < sensors.size(); ++r) {
-      const auto form = form_of(scene.sensors[sensors[r].first].quantity, path);
+      const auto& quantity = model::described(scene.sensors[sensors[r].first].quantity);
+      const auto form = signal::form_of(signal::parse_unit(quantity.unit)->quantity);
+      if (form == signal::FrfForm::unknown) {
+        throw UsageError(path + ": FRFs of force sensors are not fitted");
+      }
       const signal::FrfSet same = set.form == form ? set : signal::converted(set, form);
       std::vector<Eigen::Index> lines;
       for (Eigen::Index k = 0; k < same.frequency_hz.size(); ++k) {
@@ -218,13 +222,6 @@ class StateReader {
         fmt::format("{}: \"{}\" is no {} of the scene, which has {}: give it that "
                     "name in the scene",
                     path, name, what, fmt::join(known, ", ")));
-  }
-
-  static signal::FrfForm form_of(model::Sensor::Quantity quantity, const std::string& path) {
-    const auto unit = signal::parse_unit(model::described(quantity).unit);
-    const auto form = signal::form_of(unit ? unit->quantity : signal::Quantity::unknown);
-    if (form != signal::FrfForm::unknown) return form;
-    throw UsageError(path + ": FRFs of force sensors are not fitted");
   }
 
   void read_decay(const Source& source) {
@@ -265,7 +262,7 @@ std::vector<ident::UncertainInput> known_inputs(const ident::KnownValues& known,
                                                 const UpdateStates& states) {
   std::vector<ident::StateUse> uses;
   for (std::size_t s = 0; s < states.states.size(); ++s) {
-    uses.push_back({static_cast<int>(s), use_of_cables(states.states[s].scene), states.tension[s]});
+    uses.push_back({use_of_cables(states.states[s].scene), states.tension[s]});
   }
   return ident::known_inputs(known, uses);
 }

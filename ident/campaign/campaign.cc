@@ -39,8 +39,7 @@ CampaignFitOutcome run_fit(const FitInputs& fit, const CampaignResult& so_far) {
     for (const auto& modal : std::get<ModalOutcome>(so_far.tests[t]).model) {
       UpdateState state = fit_state(test, modal);
       if (state.measured.empty()) continue;
-      const int index = static_cast<int>(result.states.size());
-      uses.push_back({index, *test.scene, modal.tension_N});
+      uses.push_back({*test.scene, modal.tension_N});
       result.states.push_back(&modal);
       result.given.push_back(std::move(state));
     }
@@ -148,9 +147,6 @@ CampaignResult run_campaign(CampaignInputs inputs) {
   result.fits.resize(in.fits.size());
   result.test_s.resize(in.tests.size());
   result.fit_s.resize(in.fits.size());
-  const auto advance = [&] {
-    if (in.advance) in.advance();
-  };
   // `work` for each test or fit, one after the other where `threads` is 1.
   const auto each = [&](std::vector<double>& spent_s, const auto& work) {
     in_parallel(spent_s.size(), in.threads, [&](std::size_t i) {
@@ -171,12 +167,12 @@ CampaignResult run_campaign(CampaignInputs inputs) {
   });
   each(result.fit_s, [&](std::size_t i) {
     result.fits[i] = run_fit(in.fits[i], result);
-    advance();
+    in.advance();
   });
   each(result.test_s, [&](std::size_t i) {
     const auto* test = std::get_if<DecayInputs>(&in.tests[i]);
     if (test) result.tests[i] = run_decays(*test, result);
-    advance();
+    in.advance();
   });
   return result;
 }

@@ -45,8 +45,8 @@ struct CampaignInputs {
   std::vector<TestInputs> tests;
   std::vector<FitInputs> fits;
   int threads = 1;
-  /// Called, from any thread, as each test and fit is done; may be empty.
-  std::function<void()> advance;
+  /// Called, from any thread, as each test and fit is done.
+  std::function<void()> advance = [] {};
 };
 
 struct ModalOutcome {

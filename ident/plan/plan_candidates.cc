@@ -14,22 +14,19 @@ constexpr double kSeenEnergy = 100;  // 20 dB (plan_candidates.h)
 // Loggers' anti-aliasing filters pass 0.8 of the Nyquist frequency (virtual_rig.h).
 constexpr double kUsableShare = 0.4;
 
-// As an update with `options.modes` measured modes asks for.
-int mode_count(const PlanOptions& options) { return std::min(100, 3 * options.modes + 8); }
-
-void place_candidates(const model::Scene& scene, const PlanOptions& options,
-                      PlanCandidates& candidates) {
+void place_candidates(const model::Scene& scene, PlanCandidates& candidates) {
+  const bool as_drawn = candidates.options.as_drawn;
   for (const auto& load : scene.loads) {
     if (load.kind != model::Load::Kind::impact || !(load.peak > 0)) continue;
     candidates.loads.push_back(load);
-    if (options.as_drawn || std::abs(load.direction.z()) > std::sqrt(0.5)) continue;
+    if (as_drawn || std::abs(load.direction.z()) > std::sqrt(0.5)) continue;
     candidates.loads.push_back(load);
     candidates.loads.back().name += " along z";
     candidates.loads.back().direction = Vector3d::UnitZ();
   }
   candidates.sensors = scene.sensors;
   for (const auto& member : scene.members) {
-    for (int k = 0; k < 27 && !options.as_drawn; ++k) {
+    for (int k = 0; k < 27 && !as_drawn; ++k) {
       const int tenth = 1 + k / 3;
       const double position = 0.1 * tenth;
       candidates.sensors.push_back(
@@ -44,8 +41,7 @@ void place_candidates(const model::Scene& scene, const PlanOptions& options,
 }
 
 // Amplitudes over the noise, loads x sensors, after a hit of each load.
-MatrixXd decay_amplitudes(const model::NaturalMode& mode, const PlanCandidates& candidates,
-                          const PlanOptions& options) {
+MatrixXd decay_amplitudes(const model::NaturalMode& mode, const PlanCandidates& candidates) {
   using Quantity = model::Sensor::Quantity;
   const VirtualInstruments instruments;
   const double omega = 2 * M_PI * mode.frequency_hz;
@@ -63,13 +59,13 @@ MatrixXd decay_amplitudes(const model::NaturalMode& mode, const PlanCandidates& 
       by_quantity = 1 / omega;
       noise = (quantity == Quantity::force ? instruments.tension_cell : instruments.lvdt).noise_std;
     }
-    amplitude.col(s) *= by_quantity / options.noise_std.value_or(noise);
+    amplitude.col(s) *= by_quantity / candidates.options.noise_std.value_or(noise);
   }
   return amplitude.cwiseAbs();
 }
 
-PlanStateModes state_modes(int state, const PlanCandidates& candidates,
-                           const PlanOptions& options) {
+PlanStateModes state_modes(int state, const PlanCandidates& candidates) {
+  const auto& options = candidates.options;
   PlanStateModes result;
   const auto modelled = candidates.problem.modes(state, candidates.q, true);
   result.failure = modelled.failure;
@@ -82,7 +78,7 @@ PlanStateModes state_modes(int state, const PlanCandidates& candidates,
   scene.loads = candidates.loads;
   scene.sensors = candidates.sensors;
   model::ModesOptions modes;
-  modes.count = mode_count(options);
+  modes.count = std::min(100, 3 * options.modes + 8);  // as an update with so many modes asks for
   modes.shapes = modes.error_estimate = false;
   std::size_t next = 0;
   for (const auto& natural : model::analyse_modes(scene, modes).modes) {
@@ -92,14 +88,10 @@ PlanStateModes state_modes(int state, const PlanCandidates& candidates,
       continue;
     }
     result.modes.push_back({static_cast<std::size_t>(state),
-                            {},
-                            mode.dlog_frequency,
-                            mode.dlog_damping,
-                            natural.plane,
-                            mode.order - 1,
-                            mode.frequency_hz,
-                            natural.damping_ratio});
-    result.amplitude.push_back(decay_amplitudes(natural, candidates, options));
+                            candidates.problem.states()[static_cast<std::size_t>(state)].name,
+                            mode.dlog_frequency, mode.dlog_damping, natural.plane, mode.order,
+                            mode.frequency_hz, natural.damping_ratio});
+    result.amplitude.push_back(decay_amplitudes(natural, candidates));
   }
   return result;
 }
@@ -131,18 +123,19 @@ PlanCandidates plan_candidates(const std::vector<UpdateState>& states,
   for (auto& state : asked) state.measured.assign(static_cast<std::size_t>(options.modes), any);
   UpdateOptions update;
   update.inputs = options.inputs;
-  PlanCandidates candidates{UpdateProblem(asked, free, update)};
+  PlanCandidates candidates{UpdateProblem(asked, free, update), options};
   candidates.q = candidates.problem.start();
-  place_candidates(states.front().scene, options, candidates);
+  place_candidates(states.front().scene, candidates);
   candidates.states.resize(states.size());
   in_parallel(states.size(), options.threads, [&](std::size_t s) {
-    candidates.states[s] = state_modes(static_cast<int>(s), candidates, options);
+    candidates.states[s] = state_modes(static_cast<int>(s), candidates);
   });
   return candidates;
 }
 
-std::vector<PlannedMode> planned_modes(const PlanCandidates& candidates, const PlanOptions& options,
+std::vector<PlannedMode> planned_modes(const PlanCandidates& candidates,
                                        const std::vector<PlanTest>& tests) {
+  const auto& options = candidates.options;
   const double model_std =
       options.model_relative_std.value_or(candidates.problem.states().front().scene.accuracy);
   std::vector<PlannedMode> planned;
@@ -166,7 +159,6 @@ std::vector<PlannedMode> planned_modes(const PlanCandidates& candidates, const P
       const double own = options.frequency_relative_std > 0 ? options.frequency_relative_std
                                                             : 1 / (std::sqrt(pole) * omega);
       mode.frequency_std = std::hypot(own, model_std);
-      mode.state_name = candidates.problem.states()[mode.state].name;
       // Frequency and decay rate are known equally well.
       mode.damping_std = rate > 0 ? std::hypot(own * omega / rate, options.damping_model_std) : 0;
       planned.push_back(mode);

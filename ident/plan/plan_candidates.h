@@ -22,7 +22,7 @@
 // Trans. Inf. Theory 20 (1974) 591.
 #pragma once
 
-#include "ident/plan/plan_data.h"
+#include "ident/plan/plan.h"
 #include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
@@ -56,7 +56,8 @@ struct PlanStateModes {
 
 struct PlanCandidates {
   UpdateProblem problem;  ///< with the inputs as coordinates
-  VectorXd q = {};        ///< the scenes' own values
+  PlanOptions options;
+  VectorXd q = {};  ///< the scenes' own values
   std::vector<PlanStateModes> states = {};
   std::vector<model::Load> loads = {};
   std::vector<model::Sensor> sensors = {};
@@ -69,7 +70,6 @@ struct PlanCandidates {
 
 /// What tests identify: by state, each mode once.
 [[nodiscard]] std::vector<PlannedMode> planned_modes(const PlanCandidates& candidates,
-                                                     const PlanOptions& options,
                                                      const std::vector<PlanTest>& tests);
 
 /// Derivatives over standard uncertainties, by coordinate: a row for each frequency and damping

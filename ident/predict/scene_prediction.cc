@@ -6,6 +6,7 @@
 
 #include "ident/update/pairing/mode_assignment.h"
 #include "model/scene/parameters.h"
+#include "signal/recording/add_note.h"
 
 namespace rigfit::ident {
 namespace {
@@ -53,7 +54,6 @@ struct Selection {
 
 Selection select(const model::Scene& scene, const FittedParameters& fitted) {
   Selection selection;
-  std::vector<double> values;
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < fitted.parameters.size(); ++i) {
     const auto& parameter = fitted.parameters[i];
@@ -61,7 +61,6 @@ Selection select(const model::Scene& scene, const FittedParameters& fitted) {
     (targets.empty() ? selection.not_used : selection.used).push_back(parameter.name);
     if (targets.empty()) continue;
     selection.targets.push_back(std::move(targets));
-    values.push_back(parameter.value);
     kept.push_back(i);
   }
   if (kept.empty()) {
@@ -70,15 +69,11 @@ Selection select(const model::Scene& scene, const FittedParameters& fitted) {
         "has \"{}\"",
         fmt::join(selection.not_used, "\" \""), fmt::join(model::parameter_names(scene), "\" \"")));
   }
-  selection.value = Map<VectorXd>(values.data(), static_cast<Index>(values.size()));
+  selection.value = VectorXd::NullaryExpr(std::ssize(kept), [&](Index i) {
+    return fitted.parameters[kept[static_cast<std::size_t>(i)]].value;
+  });
   selection.covariance = fitted.covariance(kept, kept);
   return selection;
-}
-
-/// Independent moves of one standard uncertainty each, as columns.
-MatrixXd directions_of(const MatrixXd& covariance) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(covariance);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
 }
 
 /// `base` with the parameters moved; those that are positive stay so.
@@ -102,7 +97,10 @@ Spread spread_of(const model::Scene& scene, const Selection& selection, const Ev
   const ArrayXd here = evaluate(selection.scene(scene, selection.value));
   Spread spread;
   spread.std = spread.below = spread.above = ArrayXd::Zero(here.size());
-  const MatrixXd directions = directions_of(selection.covariance);
+  // Independent moves of one standard uncertainty each, as columns.
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(selection.covariance);
+  const MatrixXd directions =
+      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
   const double factor = coverage_factor(0.95, 0);
   for (Index k = 0; k < directions.cols(); ++k) {
     if (!(directions.col(k).norm() > 0)) continue;
@@ -128,18 +126,17 @@ Spread spread_of(const model::Scene& scene, const Selection& selection, const Ev
 /// empty where one is not there.
 ArrayXd modes_of(const model::Scene& scene, const std::vector<model::NaturalMode>& wanted,
                  const model::ModesOptions& options) {
-  std::map<model::ModePlane, std::vector<const model::NaturalMode*>> found;
-  const auto analysis = model::analyse_modes(scene, options);
-  for (const auto& mode : analysis.modes) found[mode.plane].push_back(&mode);
+  const auto found = model::analyse_modes(scene, options).modes;
   const auto count = static_cast<Index>(wanted.size());
   ArrayXd values(2 * count);
-  std::map<model::ModePlane, std::size_t> seen;
+  std::map<model::ModePlane, std::size_t> next;
   for (Index i = 0; i < count; ++i) {
     const auto plane = wanted[static_cast<std::size_t>(i)].plane;
-    const std::size_t order = seen[plane]++;
-    if (order >= found[plane].size()) return {};
-    values[i] = std::log(found[plane][order]->frequency_hz);
-    values[count + i] = found[plane][order]->damping_ratio;
+    auto& at = next[plane];
+    while (at < found.size() && found[at].plane != plane) ++at;
+    if (at == found.size()) return {};
+    values[i] = std::log(found[at].frequency_hz);
+    values[count + i] = found[at++].damping_ratio;
   }
   return values;
 }
@@ -190,11 +187,10 @@ std::vector<Finding> replaced_states(const model::Scene& scene, const FittedPara
       const double own = model::parameter(scene, target), value = factor * parameter.value,
                    std = std::abs(factor) * std::sqrt(fitted.covariance(p, p));
       if (std::abs(value - own) <= coverage_factor(0.95, 0) * std) continue;
-      findings.push_back({"input_is_fitted",
-                          fmt::format("Give --map {}= to keep the scene's {} of {:.6g}: the fit's "
-                                      "{:.6g} +- {:.2g} replaces it",
-                                      parameter.name, target, own, value, std),
-                          scene.file});
+      signal::add_note(findings, "input_is_fitted", scene.file,
+                       "Give --map {}= to keep the scene's {} of {:.6g}: the fit's {:.6g} +- "
+                       "{:.2g} replaces it",
+                       parameter.name, target, own, value, std);
     }
   }
   return findings;

@@ -5,9 +5,12 @@
 #include "ident/axial/axial_fit.h"
 #include "ident/bending/bending_equation.h"
 #include "ident/statistics/root.h"
+#include "model/scene/scene.h"
 
 namespace rigfit::ident {
 namespace {
+
+constexpr double kBefore_s = 0.5, kAfter_s = 3;  // of an axial record, about the tap
 
 /// Throws for a value that is not positive and finite, or else where `good` is false.
 void check(const std::string& test, std::initializer_list<double> positive, bool good,
@@ -21,12 +24,11 @@ void check(const std::string& test, std::initializer_list<double> positive, bool
 // Undamped circular frequency; the root lies below those without the cable's mass and without the
 // mass that hangs on it.
 double natural_omega(const VirtualAxialTest& test) {
-  check("axial test",
-        {test.EA_N, test.mass_per_length_kg_m, test.length_m, test.hung_mass_kg,
-         test.sample_rate_hz, test.after_s, test.gravity_m_s2},
-        test.adapter_stiffness_N_m >= 0 && test.before_s >= 0 && test.damping_ratio >= 0 &&
-            test.damping_ratio < 1,
-        "a negative value, or a damping ratio outside [0, 1)");
+  check(
+      "axial test",
+      {test.EA_N, test.mass_per_length_kg_m, test.length_m, test.hung_mass_kg, test.sample_rate_hz},
+      test.adapter_stiffness_N_m >= 0 && test.damping_ratio >= 0 && test.damping_ratio < 1,
+      "a negative value, or a damping ratio outside [0, 1)");
   const double k = test.EA_N / test.length_m, inertia = test.mass_per_length_kg_m * test.length_m,
                adapter = test.adapter_stiffness_N_m > 0 ? 1 / test.adapter_stiffness_N_m : 0;
   const double high = std::min(1 / std::sqrt((1 / k + adapter) * test.hung_mass_kg),
@@ -66,15 +68,14 @@ signal::Recording virtual_axial_record(const VirtualAxialTest& test, Random& ran
   std::normal_distribution<double> normal;
   const double impulse = 0.5 * std::max(0.1, 1 + 0.2 * normal(random));  // N s, scatter 20 %
   const double velocity = impulse / test.hung_mass_kg;
-  const double weight = test.hung_mass_kg * test.gravity_m_s2;
-  const double swing_omega = std::sqrt(test.gravity_m_s2 / test.length_m);
+  const double weight = test.hung_mass_kg * model::kStandardGravity;
+  const double swing_omega = std::sqrt(model::kStandardGravity / test.length_m);
   const double swing_phase = kTwoPi * std::uniform_real_distribution<>()(random);
 
   // The tap falls between two samples, as it does in a laboratory.
   const double dt = 1 / test.sample_rate_hz;
-  const double tap_time = test.before_s + dt * std::uniform_real_distribution<>()(random);
-  const auto samples =
-      static_cast<Index>(std::floor((test.before_s + test.after_s) * test.sample_rate_hz));
+  const double tap_time = kBefore_s + dt * std::uniform_real_distribution<>()(random);
+  const auto samples = static_cast<Index>(std::floor((kBefore_s + kAfter_s) * test.sample_rate_hz));
   VectorXd tension(samples);
   for (Index i = 0; i < samples; ++i) {
     const double t = static_cast<double>(i) * dt;

@@ -29,9 +29,6 @@ struct VirtualAxialTest {
   double damping_ratio = 0;          ///< ratio of the oscillation
   double swing_rad = 0.01;  ///< pendulum amplitude, its tension ripples at twice its frequency
   double sample_rate_hz = 500;
-  double before_s = 0.5;  ///< record before the tap
-  double after_s = 3;
-  double gravity_m_s2 = 9.80665;
   SensorModel load_cell;
 };
 
@@ -39,7 +36,7 @@ struct VirtualAxialTest {
 /// are not positive and finite or a damping ratio outside [0, 1).
 [[nodiscard]] double axial_frequency_hz(const VirtualAxialTest& test);
 
-/// One record: channel "tension" in N.
+/// One record, from 0.5 s before the tap to 3 s after it: channel "tension" in N.
 [[nodiscard]] signal::Recording virtual_axial_record(const VirtualAxialTest& test, Random& random);
 
 struct VirtualBendingTest {

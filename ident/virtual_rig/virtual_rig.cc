@@ -108,7 +108,6 @@ class Laboratory {
     VirtualRigRecord record;
     record.load = load.name.empty() ? fmt::format("load{}", number) : load.name;
     record.hit = hit;
-    record.double_hit = twice;
     scene_.loads = {load};
     if (hit > 0) {
       scene_.loads = {struck(scene_, load, options_, random)};

@@ -27,12 +27,11 @@ struct VirtualRigOptions {
 };
 
 struct VirtualRigRecord {
-  std::string load;  ///< name of the scene's load, or "load<k>" by its number from 1
-  int hit = 0;       ///< 1-based; 0: a release
-  bool double_hit = false;
-  double peak_N = 0;         ///< peak of the first blow
-  double second_peak_N = 0;  ///< peak of the bounce, zero: none
-  double second_after_s = 0;
+  std::string load;             ///< name of the scene's load, or "load<k>" by its number from 1
+  int hit = 0;                  ///< 1-based; 0: a release
+  double peak_N = 0;            ///< peak of the first blow
+  double second_peak_N = 0;     ///< peak of the bounce of a double hit
+  double second_after_s = 0;    ///< of the bounce, zero: none
   signal::Recording recording;  ///< force (impacts only), then one channel per sensor
 };
 

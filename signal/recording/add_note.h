@@ -1,4 +1,4 @@
-// Adds a note whose message is made of its values.
+// Adds a note (or, in ident, a finding) whose message is made of its values.
 #pragma once
 
 #include <fmt/format.h>
@@ -7,8 +7,8 @@
 
 namespace rigfit::signal {
 
-template <typename... Values>
-void add_note(std::vector<Note>& notes, std::string code, std::string where,
+template <typename Noted, typename... Values>
+void add_note(std::vector<Noted>& notes, std::string code, std::string where,
               fmt::format_string<Values...> message, Values&&... values) {
   notes.push_back(
       {std::move(code), fmt::format(message, std::forward<Values>(values)...), std::move(where)});

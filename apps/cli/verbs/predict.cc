@@ -84,12 +84,9 @@ std::vector<ident::SceneInput> add_inputs(const model::Scene& scene, const Predi
 
 Json compared_json(const PredictCommand& command, const ident::ModePrediction& prediction,
                    VerbContext& context) {
-  std::vector<ident::MeasuredMode> measured;
-  for (auto& row : measured_modes(command.measured, command.column, plane_named(command.plane),
-                                  prediction.scene, context)) {
-    measured.push_back(std::move(row.mode));
-  }
-  const auto compared = ident::held_against(prediction, measured);
+  const auto rows = measured_modes(command.measured, command.column, plane_named(command.plane),
+                                   prediction.scene, context);
+  const auto compared = ident::held_against(prediction, {rows.begin(), rows.end()});
   context.out << '\n';
   describe::print(context.out, describe::table_of(compared));
   return describe::json_of(compared);

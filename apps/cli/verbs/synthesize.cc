@@ -139,8 +139,9 @@ struct Laboratory {
       name += record.load + (hit ? fmt::format("-hit{}", record.hit) : "");
       Json entry{{"file", write(name, hit ? "hammer" : "release", record.recording, options.uff)},
                  {"load", record.load}};
-      if (hit) entry.update({{"peak_N", record.peak_N}, {"double_hit", record.double_hit}});
-      if (record.double_hit) {
+      const bool twice = record.second_after_s > 0;
+      if (hit) entry.update({{"peak_N", record.peak_N}, {"double_hit", twice}});
+      if (twice) {
         entry["second_peak_N"] = record.second_peak_N;
         entry["second_after_s"] = record.second_after_s;
       }

@@ -37,9 +37,8 @@ void add_mass(const std::string& text, ident::CableDescription& cable) {
 Json run(TensionCommand& command, VerbContext& context) {
   auto& inputs = command.test;
   if (const auto& file = command.test.measured; !file.empty()) {
-    for (auto& row : measured_modes(file, command.test.column, inputs.plane, {}, context)) {
-      inputs.modes.push_back(std::move(row.mode));
-    }
+    const auto rows = measured_modes(file, command.test.column, inputs.plane, {}, context);
+    inputs.modes.assign(rows.begin(), rows.end());
   }
   command.test.complete();
   if (inputs.modes.empty() && command.files.empty()) {

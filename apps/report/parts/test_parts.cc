@@ -121,14 +121,7 @@ class BendingPart : public TestPart {
 /// Free decays; where a scene stands for the test, its answer by the same estimator.
 class DecayPart : public TestPart {
  public:
-  DecayPart(const Campaign& campaign, const CampaignTest& test) : TestPart(test, "decays") {
-    auto& inputs = std::get<ident::DecayInputs>(inputs_);
-    for (std::size_t f = 0; f < campaign.fits.size(); ++f) {
-      for (const std::size_t seen : campaign.fits[f].predicts) {
-        if (&campaign.tests[seen] == &test) inputs.fits.push_back(f);
-      }
-    }
-  }
+  explicit DecayPart(const CampaignTest& test) : TestPart(test, "decays") {}
 
   std::vector<ReportPart> show(ident::TestInputs& inputs, ident::TestResult& result) override {
     const auto& recordings = std::get<ident::DecayInputs>(inputs).recordings;
@@ -267,7 +260,7 @@ std::unique_ptr<TestPart> test_part(const Campaign& campaign, const CampaignTest
                                     int threads) {
   if (test.is<BendingTest>()) return std::make_unique<BendingPart>(test);
   if (test.is<AxialTest>()) return std::make_unique<AxialPart>(test, threads);
-  if (test.is<DecayTest>()) return std::make_unique<DecayPart>(campaign, test);
+  if (test.is<DecayTest>()) return std::make_unique<DecayPart>(test);
   if (test.is<TensionTest>()) return std::make_unique<TensionPart>(test);
   return modal_part(campaign, test);
 }

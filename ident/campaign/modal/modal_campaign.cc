@@ -1,8 +1,6 @@
 #include "ident/campaign/modal/modal_campaign.h"
 
-#include <fmt/format.h>
-
-#include "signal/recording/recording.h"
+#include "signal/recording/add_note.h"
 
 namespace rigfit::ident {
 namespace {
@@ -32,12 +30,10 @@ std::vector<std::string> response_names(const std::vector<StruckPoint>& places,
       }
       names.push_back(name);
     } catch (const signal::RecordingError& error) {
-      findings.push_back(
-          {"data_left_out",
-           fmt::format("Name the channel alike in all recordings: {}; it is left out "
-                       "of the responses",
-                       error.what()),
-           title});
+      signal::add_note(
+          findings, "data_left_out", title,
+          "Name the channel alike in all recordings: {}; it is left out of the responses",
+          error.what());
     }
   }
   return names;
@@ -68,10 +64,10 @@ Finding all_rejected(const HammerTest& test) {
 std::optional<Index> driving_response(const Recording& first, const HammerTestOptions& options,
                                       const std::vector<std::string>& responses) {
   if (options.driving_point.empty()) return {};
-  const Index driving = first.channel_index(options.driving_point);
-  for (std::size_t r = 0; r < responses.size(); ++r) {
-    if (first.channel_index(responses[r]) == driving) return static_cast<Index>(r);
-  }
+  const auto at =
+      std::ranges::find(responses, first.channel_index(options.driving_point),
+                        [&](const std::string& name) { return first.channel_index(name); });
+  if (at != responses.end()) return at - responses.begin();
   throw std::invalid_argument("the driving point \"" + options.driving_point +
                               "\" is not among the responses");
 }
@@ -314,12 +310,10 @@ std::optional<signal::ModalResult> identify(const signal::FrfSet& frfs,
                         fmt::format("{:.4g} Hz", mode.frequency_hz.value), window});
   }
   if (found.end != signal::StepsEnd::converged && !found.model.modes.empty()) {
-    findings.push_back(
-        {"not_converged",
-         fmt::format("Narrow the band: the refinement ended by {} after {} iterations, so that "
+    signal::add_note(findings, "not_converged", "",
+                     "Narrow the band: the refinement ended by {} after {} iterations, so that "
                      "frequencies and damping are near, not at, the best fit",
-                     name_of(found.end), found.iterations),
-         "", false});
+                     name_of(found.end), found.iterations);
   }
   return found;
 }

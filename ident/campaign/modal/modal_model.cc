@@ -109,11 +109,11 @@ std::vector<UncertainInput> known_inputs(const KnownValues& known,
   /// `std_in`: standard uncertainty of the value in a state.
   const auto add = [&](std::string name, std::vector<std::string> SceneUse::*names, auto std_in) {
     UncertainInput input{std::move(name), {}};
-    for (const auto& one : states) {
-      const double change = std_in(one);
+    for (std::size_t s = 0; s < states.size(); ++s) {
+      const double change = std_in(s);
       if (!std::isfinite(change) || change == 0) continue;
-      for (const auto& target : one.use.*names) {
-        input.effects.push_back({one.state, target, change});
+      for (const auto& target : states[s].use.*names) {
+        input.effects.push_back({static_cast<int>(s), target, change});
       }
     }
     if (!input.effects.empty()) inputs.push_back(std::move(input));
@@ -122,13 +122,13 @@ std::vector<UncertainInput> known_inputs(const KnownValues& known,
   tensions.reserve(states.size());
   for (const auto& one : states) tensions.push_back(one.tension_N.value_or(1));
   for (const auto& term : known.EI.uncertainty(tensions)) {
-    add(term.name, &SceneUse::EI_of, [&](const StateUse& one) {
-      return one.tension_N ? term.change_Nm2[&one - states.data()] : 0;
+    add(term.name, &SceneUse::EI_of, [&](std::size_t s) {
+      return states[s].tension_N ? term.change_Nm2[static_cast<Index>(s)] : 0;
     });
   }
-  add("EA (axial test)", &SceneUse::EA_of, [&](const auto&) { return known.EA_N.std; });
+  add("EA (axial test)", &SceneUse::EA_of, [&](auto) { return known.EA_N.std; });
   add("damping ratio (axial test)", &SceneUse::damping_of,
-      [&](const auto&) { return known.damping_ratio.std; });
+      [&](auto) { return known.damping_ratio.std; });
   return inputs;
 }
 
@@ -187,8 +187,7 @@ std::vector<ModalState> modal_states(const ModalInputs& test, const KnownValues&
     if (one.has_modes()) add_recorded(states, one, models);
   }
   for (const auto& one : test.published) add_published(states, one);
-  std::sort(states.begin(), states.end(),
-            [](const ModalState& a, const ModalState& b) { return a.tension_N < b.tension_N; });
+  std::ranges::sort(states, {}, &ModalState::tension_N);
   for (auto& state : states) {
     state.rig.scene = scene_at(use, known, state.tension_N);
     if (state.tension_N && !known.EI.empty() && !use.EI_of.empty()) {

@@ -29,14 +29,13 @@ struct SceneUse {
 [[nodiscard]] model::Scene scene_at(const SceneUse& use, const KnownValues& known,
                                     std::optional<double> tension_N);
 
-/// State `state` of a fit, at that tension.
+/// A state of a fit, at that tension.
 struct StateUse {
-  int state = 0;
   SceneUse use;
   std::optional<double> tension_N;
 };
 
-/// Uncertainties of EI, EA and damping in these states, as inputs of a fit: each source (of EI,
+/// Uncertainties of EI, EA and damping in a fit's states, as inputs of it: each source (of EI,
 /// each term of the curve's uncertainty) moves all states together.
 [[nodiscard]] std::vector<UncertainInput> known_inputs(const KnownValues& known,
                                                        const std::vector<StateUse>& states);

@@ -3,15 +3,22 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <numeric>
 
 #include "ident/statistics/in_parallel.h"
 #include "model/linear/modal_analysis.h"
 #include "signal/decay/decay.h"
 #include "signal/estimation/robust.h"
+#include "signal/recording/add_note.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::ident {
 namespace {
+
+/// A decay in messages.
+std::string place_of(const AxialRecord& d) {
+  return fmt::format("{}: {} at {:.4g} s", d.file, d.channel, d.start_s);
+}
 
 /// The decays of one recording.
 AxialCampaignResult find(const AxialInputs& inputs, std::size_t index) {
@@ -25,11 +32,11 @@ AxialCampaignResult find(const AxialInputs& inputs, std::size_t index) {
     return std::move(found);
   };
   if (auto uneven = not_uniform(recording, entry.name)) return refused(std::move(*uneven));
+  if (inputs.channel.empty() && recording.channels.size() > 1) {
+    return refused({"channel", "holds several channels; name one", entry.name, true});
+  }
   const signal::Channel* channel = nullptr;
   try {
-    if (inputs.channel.empty() && recording.channels.size() > 1) {
-      return refused({"channel", "holds several channels; name one", entry.name, true});
-    }
     channel = &recording.channel(inputs.channel.empty() ? "#1" : inputs.channel);
   } catch (const signal::RecordingError& error) {
     return refused({"channel", error.what(), entry.name, true});
@@ -44,7 +51,7 @@ AxialCampaignResult find(const AxialInputs& inputs, std::size_t index) {
   for (const auto& window : signal::find_decays(channel->samples, band)) {
     AxialRecord d{estimated_decay(entry, *channel, window.start, window.end, options)};
     d.recording = index, d.length_m = entry.length_m;
-    const std::string where = fmt::format("{}: {} at {:.4g} s", entry.name, d.channel, d.start_s);
+    const std::string where = place_of(d);
     if (!d.result.refusal_code.empty() || d.result.modes.empty()) {
       d.left_out = d.result.refusal_code.empty() ? "no_mode" : d.result.refusal_code;
       found.findings.push_back({d.left_out, "left out: " + d.result.refusal, where});
@@ -104,9 +111,7 @@ void choose_modes(const AxialInputs& inputs, AxialCampaignResult& result) {
       best[one.decay] = one.share;
       if (take) result.decays[one.decay].mode = one.mode;
     }
-    double sum = 0;
-    for (double b : best) sum += b;
-    return sum;
+    return std::accumulate(best.begin(), best.end(), 0.0);
   };
   double most = 0, at = 0;
   for (const auto& one : all) {
@@ -117,13 +122,10 @@ void choose_modes(const AxialInputs& inputs, AxialCampaignResult& result) {
   for (auto& d : result.decays) {
     if (!d.left_out.empty() || d.mode) continue;
     d.left_out = "other_mode";
-    result.findings.push_back(
-        {d.left_out,
-         fmt::format(
-             "Give a band: the strongest mode, {:.4g} Hz, is not the axial one of the other "
-             "records; left out",
-             d.result.modes.front().frequency_hz.value),
-         fmt::format("{}: {} at {:.4g} s", d.file, d.channel, d.start_s)});
+    signal::add_note(result.findings, d.left_out, place_of(d),
+                     "Give a band: the strongest mode, {:.4g} Hz, is not the axial one of the "
+                     "other records; left out",
+                     d.result.modes.front().frequency_hz.value);
   }
 }
 
@@ -135,16 +137,16 @@ constexpr double kLongest = 100;  // m: in a hanging-mass test 0.1 m of cable, g
 double share_of_weight(const signal::Channel& channel, double weight) {
   if (channel.unit != "N" && channel.quantity != signal::Quantity::force) return kNaN;
   const auto samples = signal::finite_values(channel.samples);
-  if (samples.empty()) return kNaN;
-  const auto [low, high] = std::minmax_element(samples.begin(), samples.end());
-  const double swing = (*high - *low) / weight, share = std::abs(signal::median(samples)) / weight;
+  const auto [low, high] = std::ranges::minmax(samples);
+  const double swing = (high - low) / weight, share = std::abs(signal::median(samples)) / weight;
   return share < 0.05 && swing > 0.02 ? kNaN : share;
 }
 
-// Inputs that contradict the recordings; each is refused before an EA is shown.
-void contradictions(const AxialInputs& inputs, AxialCampaignResult& result) {
+// Whether inputs contradict the recordings; each is refused before an EA is shown.
+bool contradicts(const AxialInputs& inputs, AxialCampaignResult& result) {
+  bool refused = false;
   const auto refuse = [&](const char* code, std::string message, const std::string& where) {
-    result.findings.push_back({code, std::move(message), where, true});
+    result.findings.push_back({code, std::move(message), where, refused = true});
   };
   std::map<double, std::vector<const AxialRecord*>> by_length;
   std::vector<double> shares;
@@ -182,13 +184,13 @@ void contradictions(const AxialInputs& inputs, AxialCampaignResult& result) {
   const double share = shares.empty() ? 1 : signal::median(shares);
   // EA is off by as much as the share: within a tenth is what cells drift by, to a factor of 2 it
   // is warned of.
-  if (std::abs(share - 1) < 0.1) return;
-  result.findings.push_back(
-      {"force_mismatch",
-       fmt::format("Check the hung mass (kg) and the unit or sensitivity of the tension channel: "
+  if (std::abs(share - 1) < 0.1) return refused;
+  signal::add_note(result.findings, "force_mismatch", "",
+                   "Check the hung mass (kg) and the unit or sensitivity of the tension channel: "
                    "its mean is {:.3g} of the weight of {:.4g} kg; EA is proportional to the mass",
-                   share, inputs.setup.mass_kg.value),
-       "", !(share > 0.5 && share < 2)});
+                   share, inputs.setup.mass_kg.value);
+  result.findings.back().refused = !(share > 0.5 && share < 2);
+  return refused || result.findings.back().refused;
 }
 
 }  // namespace
@@ -216,11 +218,7 @@ AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
         {"no_decay", "Repeat the taps, or give a band: no record holds a usable decay", "", true});
     return result;
   }
-  const auto before = std::ssize(result.findings);
-  contradictions(inputs, result);
-  if (std::any_of(result.findings.begin() + before, result.findings.end(),
-                  [](const Finding& one) { return one.refused; }))
-    return result;
+  if (contradicts(inputs, result)) return result;
   try {
     result.test = identify_axial(decays, setup);
   } catch (const std::invalid_argument& error) {

@@ -38,9 +38,7 @@ struct AxialRecord : RecordedDecay {
     using namespace describe;
     using T = AxialRecord;
     // A field of the axial mode, of the sample of a decay that is used.
-    constexpr auto of_mode = [](auto part) {
-      return where(&T::used, [part](const T& r) { return std::invoke(part, r.axial()); });
-    };
+    constexpr auto of_mode = [](auto part) { return where(&T::used, within(&T::axial, part)); };
     constexpr auto of_sample = [](auto part) {
       return where(&T::used, [part](const T& r) { return std::invoke(part, *r.sample); });
     };

@@ -6,6 +6,8 @@
 #include "ident/bending/bending_equation.h"
 #include "ident/statistics/uncertainty.h"
 #include "ident/stiffness/stiffness_law.h"
+#include "signal/estimation/robust.h"
+#include "signal/recording/add_note.h"
 
 namespace rigfit::ident {
 namespace {
@@ -28,20 +30,19 @@ double shared_relative_std(const BendingTestResult& test, const BendingTestOptio
   return std::isfinite(shared) ? shared : 0;
 }
 
-void add_values(const BendingSource& source, BendingPoint one, std::vector<BendingPoint>& points) {
+void add_values(const BendingSource& source, std::vector<BendingPoint>& points) {
   for (std::size_t i = 0; i < source.values.size(); ++i) {
-    one.row = i + 1;
+    auto& one = points.emplace_back(BendingPoint{source.name, source.origin, i + 1});
     auto& point = one.point = source.values[i];
     if (std::isfinite(point.std) && !std::isfinite(point.low)) {
       const double half = coverage_factor(0.95, 0) * point.std;
       point.low = std::max(0.0, point.EI_Nm2 - half);
       point.high = point.EI_Nm2 + half;
     }
-    points.push_back(one);
   }
 }
 
-void add_record(const BendingSource& source, BendingPoint one, const BendingCampaign& campaign,
+void add_record(const BendingSource& source, const BendingCampaign& campaign,
                 std::vector<BendingPoint>& points) {
   const auto& options = campaign.test;
   std::vector<BendingRecord> records;
@@ -50,28 +51,23 @@ void add_record(const BendingSource& source, BendingPoint one, const BendingCamp
   }
   if (records.empty()) records = {source.record};
   for (auto& record : records) {
-    one.record = std::move(record);
+    auto& one =
+        points.emplace_back(BendingPoint{source.name, source.origin, {}, std::move(record)});
     const auto& result = one.analysis.emplace(analyse_bending_test(one.record, options));
     one.point = {.tension_N = result.tension_N.value,
                  .EI_Nm2 = kNaN,
                  .shared_relative_std = shared_relative_std(result, options),
                  .tension_std_N = result.tension_spread_N};
-    one.slope_N_m = one.modulus_Pa = {};
-    if (!result.refused) {
-      const auto& [EI, low, high] =
-          std::tie(result.stiffness.EI_Nm2, result.stiffness.low, result.stiffness.high);
-      one.point.EI_Nm2 = EI.value, one.point.std = EI.std;
-      one.point.low = low, one.point.high = high;
-      const auto &slope = result.compliance_m_N, I = campaign.section.second_moment();
-      if (one.beam()) one.slope_N_m = {1 / slope.value, slope.std / slope.value / slope.value};
-      if (one.beam() && I.value > 0 && EI.value > 0) {
-        const double modulus = EI.value / I.value;
-        one.modulus_Pa = {
-            modulus,
-            modulus * std::hypot(EI.std / EI.value, std::isfinite(I.std) ? I.std / I.value : 0)};
-      }
-    }
-    points.push_back(one);
+    if (result.refused) continue;
+    const auto& EI = result.stiffness.EI_Nm2;
+    one.point.EI_Nm2 = EI.value, one.point.std = EI.std;
+    one.point.low = result.stiffness.low, one.point.high = result.stiffness.high;
+    if (!one.beam()) continue;
+    const auto &slope = result.compliance_m_N, I = campaign.section.second_moment();
+    one.slope_N_m = {1 / slope.value, slope.std / slope.value / slope.value};
+    if (!(I.value > 0 && EI.value > 0)) continue;
+    const double modulus = EI.value / I.value;
+    one.modulus_Pa = {modulus, modulus * std::hypot(EI.std / EI.value, I.std / I.value)};
   }
 }
 
@@ -102,11 +98,11 @@ void name_exact_inputs(const BendingTestOptions& options, BendingCampaignResult&
   name(tensioned && !(options.tension_zero_std_N > 0 || options.tension_calibration_std > 0),
        fmt::format("tension (0.1 N: {:.2g} %)", 100 * zero));
   if (!(span > 0) || exact.empty()) return;
-  result.findings.push_back({"taken_as_exact",
-                             "Give standard uncertainties of what is taken as exact (in brackets "
-                             "what it changes EI by): " +
-                                 exact + (tensioned ? "" : "; shear is left out"),
-                             "", false});
+  signal::add_note(
+      result.findings, "taken_as_exact", "",
+      "Give standard uncertainties of what is taken as exact (in brackets what it changes EI by): "
+      "{}{}",
+      exact, tensioned ? "" : "; shear is left out");
 }
 
 /// Lengths that hardly any bending test has, most often millimetres given as metres, or the
@@ -114,12 +110,10 @@ void name_exact_inputs(const BendingTestOptions& options, BendingCampaignResult&
 void suspect_lengths(const BendingCampaign& campaign, BendingCampaignResult& result) {
   double deflection = 0;
   for (const auto& one : result.points) {
-    if (!one.analysis) continue;
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const double d : one.record.deflection_m) {
-      if (std::isfinite(d)) low = std::min(low, d), high = std::max(high, d);
-    }
-    if (high > low) deflection = std::max(deflection, high - low);
+    const auto values = signal::finite_values(one.record.deflection_m);
+    if (values.empty()) continue;
+    const auto [low, high] = std::ranges::minmax(values);
+    deflection = std::max(deflection, high - low);
   }
   const double span = campaign.test.span_m.value;
   constexpr double kLongestSpan = 20;  // m: the shortest span of a bench, given in mm
@@ -127,19 +121,17 @@ void suspect_lengths(const BendingCampaign& campaign, BendingCampaignResult& res
   const double part = deflection / span;
   if (span < kLongestSpan && part < 0.5) {
     if (part < 0.1) return;
-    result.findings.push_back(
-        {"large_deflection",
-         fmt::format("Deflect less: {:.0f} % of the span is much for the equation of small "
+    signal::add_note(result.findings, "large_deflection", "",
+                     "Deflect less: {:.0f} % of the span is much for the equation of small "
                      "deflections, whose error is about its square, {:.1g} %",
-                     100 * part, 100 * part * part)});
+                     100 * part, 100 * part * part);
     return;
   }
-  result.findings.push_back(
-      {"length_suspected",
-       fmt::format("Give the span in m, and the deflection's unit in its title or in a TOML file "
+  signal::add_note(result.findings, "length_suspected", "",
+                   "Give the span in m, and the deflection's unit in its title or in a TOML file "
                    "beside the recording: {:.4g} m with deflections up to {:.4g} m is no bending "
                    "test; EI goes with about the cube of the span",
-                   span, deflection)});
+                   span, deflection);
 }
 
 void gather_specimens(BendingCampaignResult& result) {
@@ -172,12 +164,8 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
   BendingCampaignResult result;
   result.assumed_relative_std = campaign.assumed_relative_std;
   for (const auto& source : campaign.sources) {
-    BendingPoint point{source.name, source.origin, {}, {}, {}, {}, {}, {}};
-    if (source.values.empty()) {
-      add_record(source, point, campaign, result.points);
-    } else {
-      add_values(source, point, result.points);
-    }
+    source.values.empty() ? add_record(source, campaign, result.points)
+                          : add_values(source, result.points);
   }
   std::stable_sort(result.points.begin(), result.points.end(), [](const auto& a, const auto& b) {
     const bool known = std::isfinite(a.point.tension_N);
@@ -215,12 +203,10 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
       if (point.EI_Nm2 >= result.bounds->EI_min_Nm2 && point.EI_Nm2 <= result.bounds->EI_max_Nm2) {
         continue;
       }
-      result.findings.push_back(
-          {"outside_bounds",
-           fmt::format("Check span, units and the strand's wires: EI = {:.4g} N m2 at {:.4g} N "
+      signal::add_note(result.findings, "outside_bounds", "",
+                       "Check span, units and the strand's wires: EI = {:.4g} N m2 at {:.4g} N "
                        "lies outside what the strand's geometry allows",
-                       point.EI_Nm2, point.tension_N),
-           "", false});
+                       point.EI_Nm2, point.tension_N);
     }
   }
   result.curve = StiffnessCurve(std::move(points), options);

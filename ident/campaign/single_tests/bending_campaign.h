@@ -50,11 +50,11 @@ struct BendingCampaign {
 struct BendingPoint {
   std::string file;  ///< name of the source
   Origin origin = Origin::measured;
-  std::optional<std::size_t> row;  ///< of EI values, from 1; empty: from a record
-  BendingRecord record;            ///< the rows at this tension; empty: EI values
-  std::optional<BendingTestResult> analysis;
-  StiffnessPoint point;            ///< NaN where refused
-  Estimate slope_N_m, modulus_Pa;  ///< NaN: not known, or with tension
+  std::optional<std::size_t> row = {};  ///< of EI values, from 1; empty: from a record
+  BendingRecord record = {};            ///< the rows at this tension; empty: EI values
+  std::optional<BendingTestResult> analysis = {};
+  StiffnessPoint point = {};                 ///< NaN where refused
+  Estimate slope_N_m = {}, modulus_Pa = {};  ///< NaN: not known, or with tension
 
   [[nodiscard]] bool refused() const { return analysis && analysis->refused; }
   /// Whether laws and curve use this EI.

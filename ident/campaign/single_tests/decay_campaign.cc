@@ -86,25 +86,24 @@ ChannelDecays channel_decays(const TestRecording& recorded, const signal::Channe
   decay.choose_window = false;
   for (std::size_t k = 0; k < strongest.decays.size(); ++k) {
     const auto& window = strongest.decays[k];
-    FoundDecay one{found.time_s(window.start), found.time_s(window.end - 1), false, {}};
+    auto& one = found.decays.emplace_back(
+        FoundDecay{found.time_s(window.start), found.time_s(window.end - 1), false, {}});
     if (k == strongest.fitted_decay) {
       one = {found.start_s, found.end_s, strongest.refusal_code.empty(), {}};
       if (options.each) one.result = strongest;
     } else if (options.each) {
       const auto own =
           estimated_decay(recorded, channel, from + window.start, from + window.end, decay);
-      one.result = own.result;
+      const auto& result = one.result.emplace(own.result);
       const std::string at = fmt::format("{} at {:.6g} s", where, one.start_s);
-      one.fitted = own.result.refusal_code.empty();
+      one.fitted = result.refusal_code.empty();
       if (one.fitted) {
         one.start_s = own.start_s, one.end_s = own.end_s;
       } else {
-        findings.push_back(
-            {own.result.refusal_code, "this decay is left out: " + own.result.refusal, at});
+        findings.push_back({result.refusal_code, "this decay is left out: " + result.refusal, at});
       }
-      add_notes(own.result.notes, findings, at);
+      add_notes(result.notes, findings, at);
     }
-    found.decays.push_back(std::move(one));
   }
   if (options.each) found.pooled = pooled(found);
   if (const double rate_std = recorded.recording.sample_rate_relative_std; rate_std > 0) {
@@ -195,23 +194,21 @@ std::vector<ReleaseAnswer> release_answers(const ChannelDecays& decays,
   const VectorXd record =
       samples.isFinite().select(samples, samples.isFinite().select(samples, 0).sum() / count);
   const double rate = decays.sample_rate_hz;
+  // As long as the decay is, or until its strongest mode has died away.
+  const auto& mode = decays.result.modes.front();
+  double lasts = static_cast<double>(decays.result.end - decays.result.start) / rate;
+  if (mode.damping_ratio.value > 0) {
+    lasts = std::min(lasts, -std::log(signal::kRungDown) /
+                                (kTwoPi * mode.frequency_hz.value * mode.damping_ratio.value));
+  }
+  model::ResponseOptions response;
+  response.sampling.rate_hz = rate;
+  response.sampling.duration_s = kAlike_s + lasts;
   std::vector<ReleaseAnswer> answers(versions.size());
   in_parallel(versions.size(), threads, [&](std::size_t k) {
-    const auto& version = versions[k];
-    model::ResponseOptions response;
-    response.sampling.rate_hz = rate;
-    // As long as the decay is, or until its strongest mode has died away.
-    const auto& found = decays.result;
-    double lasts = static_cast<double>(found.end - found.start) / rate;
-    if (!found.modes.empty() && found.modes.front().damping_ratio.value > 0) {
-      const auto& mode = found.modes.front();
-      lasts = std::min(lasts, -std::log(signal::kRungDown) /
-                                  (kTwoPi * mode.frequency_hz.value * mode.damping_ratio.value));
-    }
-    response.sampling.duration_s = kAlike_s + lasts;
     ReleaseAnswer& answer = answers[k];
-    answer.label = version.label;
-    answer.response = model::simulate_response(version.scene, response);
+    answer.label = versions[k].label;
+    answer.response = model::simulate_response(versions[k].scene, response);
     if (!answer.response.completed || answer.response.samples.rows() < 16) {
       answer.failure = "the model gives no answer: " + answer.response.reason;
       return;

@@ -7,10 +7,8 @@
 // (signal/estimation/groups.h). The result is the mean mu with its uncertainty, and the scatter
 // tau, which does not shrink with more decays.
 //
-// Where the file states its rate rounded (Recording::sample_rate_relative_std), that relative error
-// is common to all frequencies: it is added in quadrature to their standard uncertainties and
-// intervals, after pooling, and reported ("rate_uncertainty"). Damping ratios do not depend on the
-// rate.
+// The relative error of a rounded sample rate is added to all frequencies after pooling
+// (test_recording.h). Damping ratios do not depend on the rate.
 #pragma once
 
 #include "ident/campaign/single_tests/test_recording.h"
@@ -185,8 +183,8 @@ struct ModelVersion {
 };
 
 /// Simulates every version, whose scenes have one load and one sensor, as long as the record's
-/// decay lasts or until its strongest mode has died away, and shifts each in time to best match the
-/// record.
+/// decay, which has modes, lasts or until its strongest mode has died away, and shifts each in time
+/// to best match the record.
 [[nodiscard]] std::vector<ReleaseAnswer> release_answers(const ChannelDecays& decays,
                                                          const signal::DecayOptions& options,
                                                          const std::vector<ModelVersion>& versions,

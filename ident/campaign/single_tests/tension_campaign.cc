@@ -4,6 +4,7 @@
 
 #include "ident/statistics/uncertainty.h"
 #include "signal/ambient/ambient_modes.h"
+#include "signal/recording/add_note.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::ident {
@@ -14,16 +15,15 @@ namespace {
 /// band. A recording of few decay times holds few of the groups whose scatter the std is of; it is
 /// taken together with the std that a mode driven by white noise has at best, half / (2 pi sqrt(T
 /// half)).
-void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
+void add_recorded_modes(const TensionInputs& inputs, const TestRecording& recorded,
                         TensionCampaignResult& campaign) {
   constexpr double kFewestCycles = 20;  // cycles of the lowest mode, where no band is given
   // 16, of 4, 8 and 16, found most modes of short records; bands reach beyond their ends, so that a
   // mode at an end is not cut (else it is missed, or its std is 2.5 times as large).
   constexpr double kWidest = 16, kBeyond = 1.15;
-  constexpr double kSteady =
-      0.1;  // decay times: 10 % in the whole recording is no decay to be seen
-  const auto& name = inputs.recordings[index].name;
-  const auto& recording = inputs.recordings[index].recording;
+  constexpr double kSteady = 0.1;  // decay times: 10 % in the whole recording is no decay to see
+  const auto& name = recorded.name;
+  const auto& recording = recorded.recording;
   auto& findings = campaign.findings;
   const bool given = inputs.band_high_hz > 0;
   const double low = given && inputs.band_low_hz > 0
@@ -44,8 +44,7 @@ void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
     try {
       found = signal::ambient_modes(recording, options);
     } catch (const signal::RecordingError& error) {
-      findings.push_back({"no_modes", error.what(), "", true});  // it names the file
-      return;
+      return findings.push_back({"no_modes", error.what(), "", true});  // it names the file
     }
     const auto inside = [&](double hz) { return hz >= from && (hz < to || k + 1 == bands); };
     for (const auto& tone : found.tones) {
@@ -65,15 +64,13 @@ void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
     }
   }
   if (!tones.empty()) {
-    findings.push_back(
-        {"steady_tone",
-         fmt::format("Check for mains hum or a machine at {:.5g} Hz: the amplitude is constant, "
+    signal::add_note(findings, "steady_tone", name,
+                     "Check for mains hum or a machine at {:.5g} Hz: the amplitude is constant, "
                      "unlike that of a resonance driven by noise; left out",
-                     fmt::join(tones, ", ")),
-         name, false});
+                     fmt::join(tones, ", "));
   }
   if (campaign.peaks.size() == before) {
-    findings.push_back({"no_modes", "no mode stands out of the noise", name, false});
+    findings.push_back({"no_modes", "no mode stands out of the noise", name});
   }
 }
 
@@ -81,33 +78,30 @@ void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
 void add_findings(const TensionInputs& inputs, TensionCampaignResult& campaign) {
   const auto& cable = inputs.cable;
   const auto& result = campaign.tension;
-  const auto refuse = [&](const char* code, std::string message) {
-    campaign.findings.push_back({code, std::move(message), inputs.name, true});
+  const auto tell = [&](const char* code, std::string message, bool refused = false) {
+    campaign.findings.push_back({code, std::move(message), inputs.name, refused});
   };
-  const auto warn = [&](const char* code, std::string message) {
-    campaign.findings.push_back({code, std::move(message), inputs.name, false});
-  };
-  if (!result.solved) return refuse("no_tension", result.message);
+  if (!result.solved) return tell("no_tension", result.message, true);
   const auto& best = result.candidates.front();
   if (result.ruled_out) {
-    refuse("model_ruled_out",
-           fmt::format(
-               "Check that this is one cable between two ends: its frequencies are {:.2g} % "
-               "off (rms), {:.2g} % at most, with the best of {} kinds of ends. State other "
-               "ends (--ends), orders (--order), masses or EI, or fit a scene (update)",
-               100 * best.fit.rms_error, 100 * best.fit.worst_error, result.candidates.size()));
+    tell(
+        "model_ruled_out",
+        fmt::format("Check that this is one cable between two ends: its frequencies are {:.2g} % "
+                    "off (rms), {:.2g} % at most, with the best of {} kinds of ends. State other "
+                    "ends (--ends), orders (--order), masses or EI, or fit a scene (update)",
+                    100 * best.fit.rms_error, 100 * best.fit.worst_error, result.candidates.size()),
+        true);
   } else if (best.fit.ruled_out()) {
-    warn(
-        "systematic_misfit",
-        fmt::format("Enlarge the uncertainties of the frequencies, or name what the cable lacks "
-                    "here (masses, ends): chi-square is {:.4g} for {:.3g} degrees of freedom "
-                    "({}). The interval counts a model error of {:.2g} %",
-                    best.fit.chi2, best.fit.degrees_of_freedom,
-                    "probability " + probability_text(best.fit.p_value), 100 * best.fit.model_std));
+    tell("systematic_misfit",
+         fmt::format("Enlarge the uncertainties of the frequencies, or name what the cable lacks "
+                     "here (masses, ends): chi-square is {:.4g} for {:.3g} degrees of freedom "
+                     "(probability {}). The interval counts a model error of {:.2g} %",
+                     best.fit.chi2, best.fit.degrees_of_freedom, probability_text(best.fit.p_value),
+                     100 * best.fit.model_std));
   }
   for (const auto& mode : best.modes) {
     if (mode.order > 0) continue;
-    warn("unpaired",
+    tell("unpaired",
          fmt::format("Check {:.5g} Hz: it is no mode of the cable in this answer. State "
                      "its order (--order) if it is one",
                      mode.measured_hz));
@@ -135,13 +129,13 @@ void add_findings(const TensionInputs& inputs, TensionCampaignResult& campaign) 
             "Give the standard uncertainty of length and mass per length: without it they count as "
             "exact (1 % of length is 2 % of tension)"},
        }) {
-    if (is) warn(code, message);
+    if (is) tell(code, message);
   }
   if (!result.decided) {
-    refuse("not_decided",
-           "Say which modes these are (--order), or give a further frequency, --EI or "
-           "--ends (--missed where modes were not excited): no order of the modes has "
-           "90 % of the weight");
+    tell("not_decided",
+         "Say which modes these are (--order), or give a further frequency, --EI or --ends "
+         "(--missed where modes were not excited): no order of the modes has 90 % of the weight",
+         true);
   }
 }
 
@@ -149,8 +143,7 @@ void add_findings(const TensionInputs& inputs, TensionCampaignResult& campaign) 
 
 TensionCampaignResult tension_campaign(const TensionInputs& inputs) {
   TensionCampaignResult campaign;
-  for (std::size_t i = 0; i < inputs.recordings.size(); ++i)
-    add_recorded_modes(inputs, i, campaign);
+  for (const auto& recorded : inputs.recordings) add_recorded_modes(inputs, recorded, campaign);
   campaign.modes.insert(campaign.modes.end(), inputs.modes.begin(), inputs.modes.end());
   // Damping says nothing about the tension.
   for (auto& mode : campaign.modes) mode.damping_ratio = {std::nan(""), std::nan("")};

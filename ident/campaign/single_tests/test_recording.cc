@@ -1,8 +1,8 @@
 #include "ident/campaign/single_tests/test_recording.h"
 
-#include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 
+#include "signal/recording/add_note.h"
 #include "signal/recording/resample.h"
 
 namespace rigfit::ident {
@@ -40,13 +40,11 @@ void tell_rate(double relative_std, const Estimate& frequency_hz, const std::str
                std::vector<Finding>& findings) {
   const double more = relative_std * frequency_hz.value;
   if (!(more > 0.1 * frequency_hz.std)) return;
-  findings.push_back(
-      {"rate_uncertainty",
-       fmt::format(
-           "State the sample rate with more digits: it is known to {:.2g} %, which adds {:.2g} "
-           "Hz to the uncertainty of the first frequency and is counted in all results",
-           100 * relative_std, more),
-       where});
+  signal::add_note(
+      findings, "rate_uncertainty", where,
+      "State the sample rate with more digits: it is known to {:.2g} %, which adds {:.2g} Hz to "
+      "the uncertainty of the first frequency and is counted in all results",
+      100 * relative_std, more);
 }
 
 }  // namespace rigfit::ident

@@ -171,11 +171,11 @@ TEST(MeasuredModes, NodesElsewhereAreSaid) {
   context.silent = true;
   const auto plain = measured_modes(file, "", {}, scene, context);
   ASSERT_EQ(plain.size(), 1u);
-  EXPECT_EQ(plain[0].mode.shape.size(), 0);
+  EXPECT_EQ(plain[0].shape.size(), 0);
   ASSERT_EQ(context.notes().size(), 1u);
   EXPECT_THAT(context.notes()[0].message, HasSubstr("sensor low at"));
 
-  EXPECT_EQ(plain[0].mode.damping_ratio.value, 0.01);
+  EXPECT_EQ(plain[0].damping_ratio.value, 0.01);
   const std::string update = "update {} --measured {}";
   EXPECT_EQ(run_line(update + " --column test_Hz", {scene_file, file}).exit_code, 2);
   EXPECT_EQ(run_line(update + " --band 50 60", {scene_file, file}).exit_code, 2);

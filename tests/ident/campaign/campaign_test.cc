@@ -88,7 +88,7 @@ TEST(Campaign, IsTheFitAndTheModelThatItsPartsGiveByThemselves) {
   }
   const auto& fit = result.fits[0];
   auto options = inputs.fits[0].options;
-  options.inputs = known_inputs(result.known, {{0, *test.scene, 100.}, {1, *test.scene, 300.}});
+  options.inputs = known_inputs(result.known, {{*test.scene, 100.}, {*test.scene, 300.}});
   const auto alone = update_model(fit.given, inputs.fits[0].free, options).parameters[0];
   EXPECT_EQ(alone.value, fit.result.parameters[0].value);
   EXPECT_EQ(alone.std, fit.result.parameters[0].std);

@@ -54,7 +54,7 @@ std::vector<model::NaturalMode> natural_modes(const model::Scene& scene) {
 
 double frequency(const std::vector<model::NaturalMode>& modes, model::ModePlane plane, int order) {
   for (const auto& mode : modes) {
-    if (mode.plane == plane && order-- == 0) return mode.frequency_hz;
+    if (mode.plane == plane && --order == 0) return mode.frequency_hz;
   }
   return 0;
 }
@@ -113,7 +113,7 @@ TEST(PlanCoverage, OfNoisyRecords) {
   // At a tenth of the span, along y: sees all modes but the fourth, whose node the hammer strikes.
   constexpr std::size_t kSensor = 2;
   const PlanTest test{0, 0, {kSensor}, 0, 0};
-  const auto modes = planned_modes(candidates, options, {test});
+  const auto modes = planned_modes(candidates, {test});
   ASSERT_EQ(modes.size(), 5u);
   const Eigen::MatrixXd C = plan_covariance(candidates, modes);
   std::vector<PlannedParameter> predicted;

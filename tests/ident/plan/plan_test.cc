@@ -85,7 +85,7 @@ TEST(Plan, MoreHitsAndSensorsNeverWorsen) {
                                           {{"h.tension"}, {"h.EI"}, {"h.damping_ratio"}}, options);
   const auto variances = [&](const PlanTest& test) {
     return Eigen::VectorXd(
-        plan_covariance(candidates, planned_modes(candidates, options, {test})).diagonal());
+        plan_covariance(candidates, planned_modes(candidates, {test})).diagonal());
   };
   PlanTest test{0, 0, {0}, 0, 0};
   Eigen::VectorXd before = variances(test);

@@ -180,7 +180,7 @@ TEST(AxialCampaign, GoesIntoScenesWithItsUncertainty) {
   const auto scene = scene_at(use, known, {});
   EXPECT_EQ(scene.members[0].EA, 2e5);
   EXPECT_EQ(*scene.members[0].damping_ratio, 0.017);
-  const auto inputs = known_inputs(known, {{2, use, {}}});
+  const auto inputs = known_inputs(known, {{}, {}, {use, {}}});
   ASSERT_EQ(inputs.size(), 2u);
   ASSERT_EQ(inputs[0].effects.size(), 1u);
   EXPECT_EQ(inputs[0].effects[0].state, 2);

@@ -26,7 +26,8 @@ struct Move {
 };
 
 // All hammers in all states with all sensors at once, as often and as long as allowed.
-Tests all_tests(const PlanCandidates& candidates, const PlanOptions& options) {
+Tests all_tests(const PlanCandidates& candidates) {
+  const auto& options = candidates.options;
   PlanTest test{0, 0, {}, options.hits.size() - 1, options.durations_s.size() - 1};
   for (std::size_t k = 0; k < candidates.sensors.size(); ++k) test.sensors.push_back(k);
   Tests tests;
@@ -39,12 +40,11 @@ Tests all_tests(const PlanCandidates& candidates, const PlanOptions& options) {
 class Planner {
  public:
   /// `targets`: coordinates of the goals, and the std to be reached.
-  Planner(const PlanCandidates& candidates, const PlanOptions& options,
-          std::vector<std::pair<Index, double>> targets)
-      : candidates_(candidates), options_(options), targets_(std::move(targets)) {}
+  Planner(const PlanCandidates& candidates, std::vector<std::pair<Index, double>> targets)
+      : candidates_(candidates), targets_(std::move(targets)) {}
 
   [[nodiscard]] MatrixXd covariance(const Tests& tests) const {
-    return plan_covariance(candidates_, planned_modes(candidates_, options_, tests));
+    return plan_covariance(candidates_, planned_modes(candidates_, tests));
   }
 
   /// Sum of ln(std / target) of the goals that are not reached.
@@ -94,7 +94,7 @@ class Planner {
  private:
   [[nodiscard]] std::vector<Move> moves(const Tests& now) const {
     std::vector<Move> list;
-    for (const auto& limit : all_tests(candidates_, options_)) {
+    for (const auto& limit : all_tests(candidates_)) {
       const auto here = std::find_if(now.begin(), now.end(), [&](const PlanTest& test) {
         return test.state == limit.state && test.load == limit.load;
       });
@@ -121,21 +121,21 @@ class Planner {
   }
 
   const PlanCandidates& candidates_;
-  const PlanOptions& options_;
+  const PlanOptions& options_ = candidates_.options;
   std::vector<std::pair<Index, double>> targets_;
 };
 
-std::string text_of(const PlanTest& test, const PlanCandidates& candidates,
-                    const PlanOptions& options) {
+std::string text_of(const PlanTest& test, const PlanCandidates& candidates) {
   std::vector<std::string> sensors;
   for (const auto sensor : test.sensors) sensors.push_back(candidates.sensors[sensor].name);
-  const auto modes = planned_modes(candidates, options, {test});
+  const auto modes = planned_modes(candidates, {test});
   double highest = 0;
   for (const auto& mode : modes) highest = std::max(highest, mode.frequency_hz);
   return fmt::format("{}: {}, read {}, {} mode{} to {:.4g} Hz, {} hits of {:g} s",
                      candidates.problem.states()[test.state].name, candidates.loads[test.load].name,
                      fmt::join(sensors, " + "), modes.size(), modes.size() == 1 ? "" : "s", highest,
-                     options.hits[test.hits], options.durations_s[test.duration]);
+                     candidates.options.hits[test.hits],
+                     candidates.options.durations_s[test.duration]);
 }
 
 // Parameters whose value differs between the states become one per state.
@@ -205,9 +205,9 @@ std::string what_it_takes(const PlanCandidates& candidates, const PlannedGoal& g
   const double wanted = goal.wanted_std / by_coordinate(candidates, i);
   const double excess = least(i, i) - wanted * wanted;
   if (excess <= 0) {
-    return candidates.problem.size() == candidates.problem.parameter_count()
-               ? "allow more sensors, hits or longer records"
-               : "allow more sensors, hits or longer records, or know the uncertain inputs better";
+    const bool inputs = candidates.problem.size() > candidates.problem.parameter_count();
+    return std::string("allow more sensors, hits or longer records") +
+           (inputs ? ", or know the uncertain inputs better" : "");
   }
   // A prior of variance v on parameter j lowers the variance by c^2 / (var_j + v). One that is
   // wider than the value says nothing, and the condition is then rounding.
@@ -285,8 +285,8 @@ PlanResult plan_measurements(const std::vector<UpdateState>& states,
     const auto& failure = candidates.states[s].failure;
     if (!failure.empty()) result.left_out.push_back(states[s].name + ": " + failure);
   }
-  const Tests everything = all_tests(candidates, options);
-  const auto all_modes = planned_modes(candidates, options, everything);
+  const Tests everything = all_tests(candidates);
+  const auto all_modes = planned_modes(candidates, everything);
   const MatrixXd least = plan_covariance(candidates, all_modes);
   result.not_identifiable = plan_gaps(candidates, all_modes);
   std::vector<std::pair<Index, double>> targets;
@@ -297,11 +297,11 @@ PlanResult plan_measurements(const std::vector<UpdateState>& states,
                                      kNearBest * std::sqrt(least(i, i))));
     result.goals.push_back(goal);
   }
-  const Planner planner(candidates, options, std::move(targets));
+  const Planner planner(candidates, std::move(targets));
   Tests now;
   const auto before = planned_stds(candidates, planner.covariance(now));
   for (const auto& move : planner.steps()) {
-    result.proposals.push_back({text_of(move.tests[move.changed], candidates, options),
+    result.proposals.push_back({text_of(move.tests[move.changed], candidates),
                                 planner.cost(move.tests) - planner.cost(now),
                                 planned_stds(candidates, planner.covariance(move.tests))});
     now = move.tests;
@@ -315,7 +315,7 @@ PlanResult plan_measurements(const std::vector<UpdateState>& states,
     goal.reached = after[goal.parameter].std <= goal.wanted_std;
     if (!goal.reached) goal.takes = what_it_takes(candidates, goal, least);
   }
-  result.modes = planned_modes(candidates, options, now);
+  result.modes = planned_modes(candidates, now);
   return result;
 }
 
