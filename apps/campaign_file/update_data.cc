@@ -147,11 +147,12 @@ class StateReader {
     // Index and sign for each input, each response.
     std::vector<std::pair<std::size_t, double>> loads, sensors;
     for (const auto& input : set.inputs) {
-      const std::size_t load = match(input.name, scene.loads, path, "load");
+      const std::size_t load = match(input.name, set.inputs.size(), scene.loads, path, "load");
       loads.emplace_back(load, sign_of(input.direction, scene.loads[load].direction));
     }
     for (const auto& response : set.responses) {
-      const std::size_t sensor = match(response.name, scene.sensors, path, "sensor");
+      const std::size_t sensor =
+          match(response.name, set.responses.size(), scene.sensors, path, "sensor");
       sensors.emplace_back(sensor, sign_of(response.direction, scene.sensors[sensor].direction));
     }
     auto& state = timed_state(source, scene, set.sample_rate_relative_std);
@@ -211,11 +212,11 @@ class StateReader {
   }
 
   template <typename Named>
-  std::size_t match(const std::string& name, const std::vector<Named>& named,
+  std::size_t match(const std::string& name, std::size_t names, const std::vector<Named>& named,
                     const std::string& path, const char* what) const {
     const auto at = std::ranges::find(named, name, &Named::name);
     if (at != named.end()) return static_cast<std::size_t>(at - named.begin());
-    if (named.size() == 1) return 0;
+    if (names == 1 && named.size() == 1) return 0;
     std::vector<std::string> known;
     std::ranges::transform(named, std::back_inserter(known), &Named::name);
     throw UsageError(

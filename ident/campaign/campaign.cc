@@ -61,7 +61,7 @@ bool apply_fit(const CampaignResult& so_far, std::size_t index, std::optional<do
   std::size_t from = 0;
   bool own = false;
   for (std::size_t s = 0; s < fit.states.size(); ++s) {
-    if (fit.states[s]->tension_N == tension_N) from = s, own = true;
+    if (same_tension(fit.states[s]->tension_N, tension_N)) from = s, own = true;
   }
   for (const auto& parameter : so_far.inputs.fits[index].free) {
     if (!own && parameter.per_state) continue;

@@ -159,6 +159,9 @@ std::vector<SceneInput> add_scene_inputs(const model::Scene& scene, std::vector<
     if (!(one.std > 0) || !std::isfinite(one.std) || !std::isfinite(value)) {
       throw std::invalid_argument("the uncertainty of " + one.name + " is not positive");
     }
+    if (std::ranges::count(inputs, one.name, &SceneInput::name) > 1) {
+      throw std::invalid_argument("the uncertainty of " + one.name + " is given twice");
+    }
     one.fitted = std::ranges::any_of(fitted.parameters, [&](const auto& parameter) {
       const auto targets = targets_in(scene, parameter);
       return std::ranges::count(targets, one.name, &Targets::value_type::first) > 0;

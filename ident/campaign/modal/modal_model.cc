@@ -11,21 +11,10 @@
 namespace rigfit::ident {
 namespace {
 
-/// The state of that tension, made when there is none; tensions that agree to a part in 200 are
-/// one.
-ModalState& state_of(std::vector<ModalState>& states, std::optional<double> tension) {
-  for (auto& state : states) {
-    if (state.tension_N.has_value() != tension.has_value()) continue;
-    if (!tension || std::abs(*state.tension_N - *tension) <= 0.005 * *tension) return state;
-  }
-  states.emplace_back();
-  states.back().tension_N = tension;
-  return states.back();
-}
-
 void add_recorded(std::vector<ModalState>& states, const ModalTestState& recorded,
                   std::size_t published_models) {
-  ModalState& state = state_of(states, recorded.tension_N);
+  ModalState& state = states.emplace_back();
+  state.tension_N = recorded.tension_N;
   state.recorded = &recorded;
   for (const auto& mode : recorded.modal->model.modes) {
     MeasuredRow row;
@@ -42,7 +31,13 @@ void add_published(std::vector<ModalState>& states, const PublishedMode& publish
   MeasuredRow row;
   row.frequency_hz.value = published.measured_hz;
   row.models_hz = published.models_hz;
-  state_of(states, published.tension_N).rows.push_back(std::move(row));
+  auto state = std::ranges::find_if(
+      states, [&](const auto& one) { return same_tension(one.tension_N, published.tension_N); });
+  if (state == states.end()) {
+    state = states.insert(state, ModalState());
+    state->tension_N = published.tension_N;
+  }
+  state->rows.push_back(std::move(row));
 }
 
 double typical_segments_error(const model::ModalAnalysis& analysis) {
@@ -172,6 +167,10 @@ Instrumented instrumented(model::Scene scene, const ModalInputs& test,
   for (auto& sensor : scene.sensors) sensor.quantity = quantity;
   rig.scene = std::move(scene);
   return rig;
+}
+
+bool same_tension(std::optional<double> a, std::optional<double> b) {
+  return a.has_value() == b.has_value() && (!a || std::abs(*a - *b) <= 0.005 * *b);
 }
 
 std::string state_label(std::optional<double> tension_N) {

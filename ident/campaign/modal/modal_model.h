@@ -91,11 +91,13 @@ struct ModalState {
   std::vector<MeasuredRow> rows;
 };
 
+/// Whether both have none, or agree to a part in 200.
+[[nodiscard]] bool same_tension(std::optional<double> a, std::optional<double> b);
 /// "200 N", or "as built" without a tension.
 [[nodiscard]] std::string state_label(std::optional<double> tension_N);
 
 /// Modes of the test's scene at every state that has modes, by rising tension, and their pairing.
-/// `recorded` must outlive the result. Tensions that agree to a part in 200 are one state.
+/// `recorded` must outlive the result. A published mode belongs to the first state of its tension.
 [[nodiscard]] std::vector<ModalState> modal_states(const ModalInputs& test,
                                                    const KnownValues& known,
                                                    const std::vector<ModalTestState>& recorded);

@@ -32,6 +32,7 @@ void add_recorded_modes(const TensionInputs& inputs, const TestRecording& record
   const double high = given ? inputs.band_high_hz : 0.4 * recording.sample_rate_hz;
   const double bands = std::max(1.0, std::ceil(std::log(high / low) / std::log(kWidest)));
   std::vector<double> tones;
+  std::string refusal;
   const std::size_t before = campaign.peaks.size();
   for (double k = 0; k < bands; ++k) {
     const double from = low * std::pow(high / low, k / bands),
@@ -44,7 +45,8 @@ void add_recorded_modes(const TensionInputs& inputs, const TestRecording& record
     try {
       found = signal::ambient_modes(recording, options);
     } catch (const signal::RecordingError& error) {
-      return findings.push_back({"no_modes", error.what(), "", true});  // it names the file
+      refusal = error.what();  // it names the file; another band may have modes
+      continue;
     }
     const auto inside = [&](double hz) { return hz >= from && (hz < to || k + 1 == bands); };
     for (const auto& tone : found.tones) {
@@ -70,7 +72,9 @@ void add_recorded_modes(const TensionInputs& inputs, const TestRecording& record
                      fmt::join(tones, ", "));
   }
   if (campaign.peaks.size() == before) {
-    findings.push_back({"no_modes", "no mode stands out of the noise", name});
+    findings.push_back(refusal.empty()
+                           ? Finding{"no_modes", "no mode stands out of the noise", name}
+                           : Finding{"no_modes", refusal, "", true});
   }
 }
 
