@@ -29,16 +29,14 @@ Complex quantity_factor(Sensor::Quantity quantity, Complex s) {
 FrfEquations frf_equations(const MotionModes& motion, const ChainState& state, const Scene& scene) {
   FrfEquations out;
   out.motion = &motion;
-  const int n = motion.assembly->size();
   out.damping = motion.assembly->matrix();
   motion.assembly->damping(state, out.damping);
   out.sensors = sensor_rows(*motion.assembly, state, scene);
   out.loads = load_rows(*motion.assembly);
-  if (motion.omega2.size() > 0)
+  out.dampers.resize(out.loads.rows(), 0);
+  if (motion.omega2.size() > 0) {
     out.zeta = modal_ratios(*motion.assembly, motion.shapes, state, scene);
-  out.dampers.resize(n, out.zeta.size());
-  for (Index r = 0; r < out.zeta.size(); ++r) {
-    out.dampers.col(r) = motion.mass * VectorXd(motion.shapes.col(r));
+    out.dampers = motion.mass * motion.shapes;
   }
   return out;
 }
@@ -68,14 +66,10 @@ void FrfSolver::expand(const MatrixXd& outside, double farthest) {
   while (size > 1e-14 * first) {
     const auto k = terms.size();
     if (k == 64) return;
-    MatrixXd term = outside;
-    for (Index c = 0; c < wanted_; ++c) {
-      VectorXd x = outside.col(c);
-      if (k > 0) x = motion.mass * VectorXd(terms.back().col(c));
-      stiffness.solve_in_place(x);
-      // Rounding along the modes, which would grow by (|s| / omega_r)^2 a term, is taken out.
-      term.col(c) = x - motion.shapes * (equations_.dampers.transpose() * x);
-    }
+    MatrixXd term = k > 0 ? motion.mass * terms.back() : outside;
+    stiffness.solve_in_place(term);
+    // Rounding along the modes, which would grow by (|s| / omega_r)^2 a term, is taken out.
+    term -= motion.shapes * (equations_.dampers.transpose() * term);
     size = term.norm() * std::pow(farthest, 2 * static_cast<double>(k));
     if (k == 0) first = size;
     terms.push_back(std::move(term));

@@ -67,12 +67,7 @@ void damper_rates(const FrfEquations& equations, const ShapeSolver& solver, cons
   const MotionModes& motion = *equations.motion;
   const Index count = equations.zeta.size();
   const MatrixXd& phi = motion.shapes;
-  MatrixXd dk_phi(phi.rows(), count), dm_phi(phi.rows(), count);
-  for (Index r = 0; r < count; ++r) {
-    const VectorXd shape = phi.col(r);
-    dk_phi.col(r) = rates.stiffness * shape;
-    dm_phi.col(r) = rates.mass * shape;
-  }
+  const MatrixXd dk_phi = rates.stiffness * phi, dm_phi = rates.mass * phi;
   const MatrixXd k = phi.transpose() * dk_phi, m = phi.transpose() * dm_phi;
   const VectorXd& lambda = motion.omega2;
   const VectorXd lambda_rate = k.diagonal() - lambda.cwiseProduct(m.diagonal());
@@ -129,9 +124,7 @@ void add_form(const EnvelopeMatrix& a, Complex factor, const MatrixXcd& v, const
               MatrixXcd& sum) {
   if (a.values().isZero(0)) return;  // most parameters move one matrix or none
   for (Index c = 0; c < u.cols(); ++c) {
-    const VectorXd re = u.col(c).real(), im = u.col(c).imag();
-    const VectorXd a_re = a * re, a_im = a * im;
-    sum.col(c) += factor * (v.transpose() * (a_re.cast<Complex>() + Complex(0, 1) * a_im));
+    sum.col(c) += factor * (v.transpose() * (a * VectorXcd(u.col(c))));
   }
 }
 

@@ -21,12 +21,9 @@ struct ModeRates {
 class ModeRateFinder {
  public:
   explicit ModeRateFinder(const MotionModes& motion)
-      : motion_(motion), factors_(static_cast<std::size_t>(motion.omega2.size())) {
-    mass_shapes_.resize(motion.shapes.rows(), motion.shapes.cols());
-    for (Index i = 0; i < mass_shapes_.cols(); ++i) {
-      mass_shapes_.col(i) = motion.mass * VectorXd(motion.shapes.col(i));
-    }
-  }
+      : motion_(motion),
+        mass_shapes_(motion.mass * motion.shapes),
+        factors_(static_cast<std::size_t>(motion.omega2.size())) {}
 
   ModeRates find(const EnvelopeMatrix& dk, const EnvelopeMatrix& dm, bool shapes) {
     ModeRates rates;

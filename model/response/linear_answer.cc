@@ -148,9 +148,7 @@ LinearAnswer linear_answer(ChainModes found, const Scene& scene,
     if (coupled) {
       EnvelopeMatrix c = motion.assembly->matrix();
       motion.assembly->damping(rest, c);
-      MatrixXd product(shapes.rows(), n);
-      for (Index i = 0; i < n; ++i) product.col(i) = c * VectorXd(shapes.col(i));
-      damping.block(first, first, n, n) = shapes.transpose() * product;
+      damping.block(first, first, n, n) = shapes.transpose() * (c * shapes);
     }
     int inertial = 0;
     for (int i = 0; i < motion.mass.size(); ++i) inertial += motion.mass.at(i, i) > 0;

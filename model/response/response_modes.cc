@@ -39,11 +39,10 @@ VectorXd nearest_eigenvalues(const EnvelopeMatrix& stiffness, const EnvelopeMatr
   const Eigenpairs pairs =
       lowest_eigenpairs(stiffness, mass, 2 * static_cast<int>(shapes.cols()) + 4);
   if (pairs.values.size() == 0) return {};
-  VectorXd values(shapes.cols()), momentum(shapes.rows());
+  VectorXd values(shapes.cols());
   for (Index i = 0; i < shapes.cols(); ++i) {
-    mass.multiply(shapes.col(i), momentum);
     Index nearest = 0;
-    (pairs.vectors.transpose() * momentum).cwiseAbs().maxCoeff(&nearest);
+    (pairs.vectors.transpose() * (mass * VectorXd(shapes.col(i)))).cwiseAbs().maxCoeff(&nearest);
     values(i) = pairs.values(nearest);
   }
   return values;
@@ -136,13 +135,9 @@ Nonlinearity estimate_nonlinearity(const LinearAnswer& answer, const Scene& scen
       shapes.rightCols(1) = shape;
     }
   }
-  VectorXd load(assembly.size());
-  if (last_force > 0 || answer.truncated) {
-    stiffness.multiply(u, load);
-  }
-  if (last_force == 0) {  // the hung masses themselves
-    load = load_rows(assembly) * hung_weights(scene);
-  }
+  // Without forces the hung masses themselves.
+  const VectorXd load =
+      last_force > 0 ? stiffness * u : VectorXd(load_rows(assembly) * hung_weights(scene));
   if (lowest.empty()) return out;
   // Eigenvalues in both extremes; one alone when there is no equilibrium the other way.
   VectorXd values[2];
