@@ -10,8 +10,8 @@ namespace {
 constexpr double kEqual = 1e-9;  // relative distance of squared frequencies found to 1e-10
 
 /// The rates of one motion's equations with one parameter.
-struct EquationRates {
-  EnvelopeMatrix stiffness, mass, damping;
+struct EquationRates : MotionRates {
+  EnvelopeMatrix damping;
   MatrixXd sensors, loads;
   // Modal dampers: sum_r g_r m_r m_r' has the rate sum_rs pair_rs (m_r m_s') + sum_r g_r (n_r m_r'
   // + m_r n_r'), n_r the rate of m_r = M phi_r less what the other damped modes take of it.
@@ -61,9 +61,7 @@ VectorXd turning_rate(const MotionModes& motion, const MatrixXd& shape_rate, con
 
 /// Rates of the modal dampers.
 void damper_rates(const FrfEquations& equations, const ShapeSolver& solver, const ChainState& rest,
-                  const Scene& scene, const ParameterStep& step,
-                  const std::array<PerturbedEquilibrium, 2>& rigs,
-                  const std::array<MotionModes, 2>& moved, EquationRates& rates) {
+                  const Scene& scene, const Neighbours& near, EquationRates& rates) {
   const MotionModes& motion = *equations.motion;
   const Index count = equations.zeta.size();
   const MatrixXd& phi = motion.shapes;
@@ -93,10 +91,11 @@ void damper_rates(const FrfEquations& equations, const ShapeSolver& solver, cons
         dm_phi.col(r) + motion.mass * outside - 0.5 * m(r, r) * equations.dampers.col(r);
   }
   const auto ratios_on = [&](std::size_t side) {
-    return modal_ratios(*moved[side].assembly, phi, rigs[side].state, rigs[side].scene);
+    const PerturbedEquilibrium& rig = near.rigs[side];
+    return modal_ratios(*rates.sides[side].assembly, phi, rig.state, rig.scene);
   };
-  const VectorXd zeta_rate =
-      (ratios_on(1) - ratios_on(0)) / step.width() + turning_rate(motion, shape_rate, rest, scene);
+  const VectorXd zeta_rate = (ratios_on(1) - ratios_on(0)) / near.step.width() +
+                             turning_rate(motion, shape_rate, rest, scene);
 
   const VectorXd omega = lambda.cwiseSqrt();
   const VectorXd gain = 2 * equations.zeta.cwiseProduct(omega);
@@ -128,26 +127,22 @@ void add_form(const EnvelopeMatrix& a, Complex factor, const MatrixXcd& v, const
   }
 }
 
-/// By differences of FRFs synthesised anew, for what leaves the plane of symmetry. The step is
-/// wider than that at fixed unknowns: what the solvers leave is about 1e-10.
+/// By differences of FRFs synthesised anew, for what leaves the plane of symmetry.
 std::vector<MatrixXcd> rate_anew(Scene scene, const Chain& chain, const VectorXd& frequency_hz,
                                  const ParameterAccess& access, const ParameterStep& step,
                                  const ModesOptions& options, double decay_rate_1_s) {
   for (std::size_t m = 0; m < chain.members.size(); ++m) {
     scene.members[m].segments = chain.members[m].segments;
   }
-  const double reach = 10;
   const auto at = [&](double value) {
     Scene moved = scene;
     access.set(moved, value);
     return synthesize_frfs(moved, frequency_hz, options, decay_rate_1_s).H;
   };
-  auto high = at(step.value + reach * (step.high - step.value));
-  const auto low = at(step.value + reach * (step.low - step.value));
+  auto high = at(step.high);
+  const auto low = at(step.low);
   if (high.size() != low.size()) return {};
-  for (std::size_t i = 0; i < high.size(); ++i) {
-    high[i] = (high[i] - low[i]) / (reach * step.width());
-  }
+  for (std::size_t i = 0; i < high.size(); ++i) high[i] = (high[i] - low[i]) / step.width();
   return high;
 }
 
@@ -176,8 +171,8 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene, const VectorXd
     const Neighbours& near =
         neighbours.emplace_back(neighbours_of(scene, modes, *tangent, wanted[p]));
     if (near.comparable) continue;
-    out.rate[p] =
-        rate_anew(scene, *modes.chain, frequency_hz, wanted[p], near.step, options, decay_rate_1_s);
+    out.rate[p] = rate_anew(scene, *modes.chain, frequency_hz, wanted[p], near.step.wider(),
+                            options, decay_rate_1_s);
   }
 
   for (const MotionModes& motion : modes.motions) {
@@ -189,26 +184,16 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene, const VectorXd
     for (std::size_t p = 0; p < wanted.size(); ++p) {
       const Neighbours& near = neighbours[p];
       if (!near.comparable) continue;
-      std::array<MotionModes, 2> moved{motion_of(near.rigs[0], motion),
-                                       motion_of(near.rigs[1], motion)};
-      std::array<FrfEquations, 2> sides;
-      for (std::size_t s = 0; s < 2; ++s) {
-        sides[s] = frf_equations(moved[s], near.rigs[s].state, near.rigs[s].scene);
-      }
-      const double width = near.step.width();
-      const auto rate = [width](const EnvelopeMatrix& high, const EnvelopeMatrix& low) {
-        EnvelopeMatrix difference = high;
-        difference.values() = (high.values() - low.values()) / width;
-        return difference;
+      static_cast<MotionRates&>(rates[p]) = motion_rates(near, motion);
+      const auto side = [&](std::size_t s) {
+        return frf_equations(rates[p].sides[s], near.rigs[s].state, near.rigs[s].scene);
       };
-      rates[p].stiffness = rate(moved[1].stiffness, moved[0].stiffness);
-      rates[p].mass = rate(moved[1].mass, moved[0].mass);
-      rates[p].damping = rate(sides[1].damping, sides[0].damping);
-      rates[p].sensors = (sides[1].sensors - sides[0].sensors) / width;
-      rates[p].loads = (sides[1].loads - sides[0].loads) / width;
-      if (modal) {
-        damper_rates(equations, *shapes, state, scene, near.step, near.rigs, moved, rates[p]);
-      }
+      const FrfEquations low = side(0), high = side(1);
+      const double width = near.step.width();
+      rates[p].damping = rate_of(low.damping, high.damping, width);
+      rates[p].sensors = (high.sensors - low.sensors) / width;
+      rates[p].loads = (high.loads - low.loads) / width;
+      if (modal) damper_rates(equations, *shapes, state, scene, near, rates[p]);
     }
 
     MatrixXd right = equations.loads;
