@@ -1,6 +1,7 @@
 #include "model/algebra/eigenpairs.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <random>
 
 namespace rigfit::model {
@@ -390,6 +391,17 @@ Eigenpairs eigenpairs_between(const EnvelopeMatrix& k, const EnvelopeMatrix& m, 
   if (last <= first) return none;
   slices.find(low, first, high, last);
   return slices.take(last - first);
+}
+
+GeneralEigenpairs general_eigenpairs(const MatrixXd& matrix, const MatrixXd& right) {
+  GeneralEigenpairs out;
+  const Eigen::EigenSolver<MatrixXd> eigen(matrix);
+  out.values = eigen.eigenvalues();
+  out.vectors = eigen.eigenvectors();
+  if (right.cols() > 0) {
+    out.coordinates = out.vectors.partialPivLu().solve(right.cast<Complex>());
+  }
+  return out;
 }
 
 }  // namespace rigfit::model

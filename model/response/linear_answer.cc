@@ -1,6 +1,6 @@
 #include "model/response/linear_answer.h"
 
-#include "model/algebra/general_eigen.h"
+#include "model/algebra/eigenpairs.h"
 #include "model/linear/damped_modes.h"
 #include "model/scene/sensor_quantity.h"
 
