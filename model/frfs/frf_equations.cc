@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 
 #include "model/linear/damped_modes.h"
-#include "model/linear/segment_choice.h"
+#include "model/linear/segment_extrapolation.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
