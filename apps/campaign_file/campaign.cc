@@ -6,16 +6,17 @@
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recordings.h"
 #include "apps/results/text_table.h"
+#include "document/toml_table.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
-#include "model/scene/toml_table.h"
+#include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;
 namespace {
 
-using model::TomlTable;
+using document::TomlTable;
 
 std::string name_in(TomlTable& table, std::set<std::string>& taken) {
   std::string name = table.string("name");
@@ -38,7 +39,7 @@ std::size_t place_of(const std::string& name, const std::vector<std::string>& na
                      const std::string& remedy) {
   const auto at = std::ranges::find(names, name);
   if (at != names.end()) return static_cast<std::size_t>(at - names.begin());
-  const auto nearest = model::nearest_word(name, names);
+  const auto nearest = document::nearest_word(name, names);
   throw table.error(key, "there is no " + what + " \"" + name + "\"",
                     nearest ? "did you mean \"" + *nearest + "\"?" : remedy);
 }

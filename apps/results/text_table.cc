@@ -1,6 +1,7 @@
 #include "apps/results/text_table.h"
 
-#include "model/scene/toml_table.h"
+#include "document/toml_table.h"
+#include "model/scene/scene_error.h"
 #include "signal/readers/csv_fields.h"
 #include "signal/readers/read_recording.h"
 
@@ -71,7 +72,7 @@ std::size_t TextTable::column(const std::string& title) const {
   if (const auto index = find(title); index >= 0) return static_cast<std::size_t>(index);
   std::vector<std::string> names;
   for (const auto& one : columns) names.push_back(one.name);
-  const auto nearest = model::nearest_word(title, names);
+  const auto nearest = document::nearest_word(title, names);
   throw model::SceneError({file, header_line, 0, ""}, "has no column \"" + title + "\"",
                           nearest ? "did you mean \"" + *nearest + "\"?"
                                   : fmt::format("its columns: \"{}\"", fmt::join(names, "\", \"")));

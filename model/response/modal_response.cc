@@ -9,17 +9,13 @@ namespace {
 
 using std::numbers::pi;
 
-// (e^x - 1)/x and (e^x - 1 - x)/x^2, by their series where the closed forms cancel.
-Complex phi1(Complex x) {
-  if (std::abs(x) > 0.5) return (std::exp(x) - 1.0) / x;
-  Complex sum = 1, term = 1;
-  for (int k = 2; k < 16; ++k) sum += (term *= x / static_cast<double>(k));
-  return sum;
-}
-Complex phi2(Complex x) {
-  if (std::abs(x) > 0.5) return (std::exp(x) - 1.0 - x) / (x * x);
-  Complex sum = 0.5, term = 0.5;
-  for (int k = 3; k < 17; ++k) sum += (term *= x / static_cast<double>(k));
+// phi1 and phi2 (n), by their series where the closed forms cancel.
+Complex phi(int n, Complex x) {
+  if (std::abs(x) > 0.5) {
+    return n == 1 ? (std::exp(x) - 1.0) / x : (std::exp(x) - 1.0 - x) / (x * x);
+  }
+  Complex sum = 1.0 / n, term = sum;
+  for (int k = n + 1; k < n + 15; ++k) sum += (term *= x / static_cast<double>(k));
   return sum;
 }
 
@@ -28,7 +24,7 @@ Complex sine_integral(Complex s, double Omega, double a, double T) {
   const auto part = [&](Complex w) {  // int_0^T e^{s (T - tau)} e^{w (a + tau)} dtau
     const Complex x = (w - s) * T;
     return std::exp(w * a) * (std::abs(x) > 0.5 ? (std::exp(w * T) - std::exp(s * T)) / (w - s)
-                                                : std::exp(s * T) * T * phi1(x));
+                                                : std::exp(s * T) * T * phi(1, x));
   };
   const Complex i(0, 1);
   return (part(i * Omega) - part(-i * Omega)) / (2.0 * i);
@@ -49,7 +45,7 @@ void add_record(const PoleModel& model, const ForceHistory& record,
     const double f0 = f[i - 1] + slope * (from - t[i - 1]), rise = slope * h;
     for (Index r = 0; r < z.size(); ++r) {
       const Complex s = model.poles(r), x = s * h;
-      z(r) += input(r) * std::exp(s * (t1 - to)) * h * (phi1(x) * f0 + phi2(x) * rise);
+      z(r) += input(r) * std::exp(s * (t1 - to)) * h * (phi(1, x) * f0 + phi(2, x) * rise);
     }
   }
 }

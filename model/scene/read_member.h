@@ -1,8 +1,7 @@
 // A [[member]] of a scene file, and keys that others share with it. Keys: apps/README.md.
 #pragma once
 
-#include "model/scene/scene.h"
-#include "model/scene/toml_table.h"
+#include "model/scene/scene_numbers.h"
 
 namespace rigfit::model {
 

@@ -8,7 +8,6 @@
 #include "model/scene/actual_state.h"
 #include "model/scene/read_member.h"
 #include "model/scene/sensor_quantity.h"
-#include "model/scene/toml_table.h"
 
 namespace rigfit::model {
 namespace {

@@ -5,10 +5,13 @@
 
 #include <variant>
 
+#include "document/toml_table.h"
 #include "model/scene/scene.h"
-#include "model/scene/toml_table.h"
+#include "model/scene/scene_error.h"
 
 namespace rigfit::model {
+
+using document::Bound, document::nearest_word, document::TomlTable;
 
 /// A key of `Owner`. A plain number that is not required keeps the value that a new `Owner` has
 /// and is written where it differs.

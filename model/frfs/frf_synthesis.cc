@@ -1,4 +1,4 @@
-#include "model/frfs/frf_sensitivities.h"
+#include "model/frfs/frf_synthesis.h"
 
 #include "model/frfs/frf_equations.h"
 #include "model/linear/damped_modes.h"
