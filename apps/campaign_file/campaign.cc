@@ -6,6 +6,7 @@
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recordings.h"
 #include "apps/results/text_table.h"
+#include "document/toml_table.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"

@@ -129,7 +129,7 @@ class Laboratory {
       // The load cell sits along the hammer, whatever the blow's direction.
       VectorXd blows = VectorXd::Zero(response.rows());
       for (const auto& blow : scene_.loads) {
-        const model::LoadForce pulse(blow, nullptr);
+        const model::LoadForce pulse{blow};
         for (Index i = 0; i < blows.size(); ++i) {
           blows[i] += pulse.at(static_cast<double>(i) / rate);
         }

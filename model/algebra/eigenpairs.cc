@@ -1,6 +1,8 @@
 #include "model/algebra/eigenpairs.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <numeric>
 #include <random>
 
 namespace rigfit::model {
@@ -14,16 +16,14 @@ EnvelopeMatrix shifted(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double 
   return out;
 }
 
+Eigenpairs no_eigenpairs(int unknowns) { return {VectorXd(), MatrixXd(unknowns, 0), true}; }
+
 class Lanczos {
  public:
   /// For `wanted` pairs: with room for what they need.
   Lanczos(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double shift, int wanted)
-      : m_(m.sparse()), shift_(shift), random_(20210101), coupled_(true) {
-    if (shift == 0) {
-      factor_.factor(k);
-    } else {
-      factor_.factor(shifted(k, m, shift));
-    }
+      : m_(m.sparse()), shift_(shift), random_(20210101) {
+    factor_.factor(shifted(k, m, shift));
     work_.resize(m.size());
     reserve(3 * wanted + 16);
   }
@@ -37,7 +37,8 @@ class Lanczos {
     const int j = size_ - 1;  // the vector to apply the operator to
     work_ = mv_.col(j);
     factor_.solve_in_place(work_);
-    return finish_step(j);
+    finish_step(j);
+    return true;
   }
 
   /// Ritz values nu = 1 / (lambda - shift) of largest magnitude first, with error bounds.
@@ -51,7 +52,7 @@ class Lanczos {
       eigen_.compute(h);
     }
     order_.resize(std::size_t(s));
-    for (int i = 0; i < s; ++i) order_[std::size_t(i)] = i;
+    std::iota(order_.begin(), order_.end(), 0);
     std::sort(order_.begin(), order_.end(), [&](int a, int b) {
       return std::abs(eigen_.eigenvalues()[a]) > std::abs(eigen_.eigenvalues()[b]);
     });
@@ -68,7 +69,6 @@ class Lanczos {
   }
   int done() const { return done_; }
   Index rows() const { return v_.rows(); }
-  bool exhausted() const { return exhausted_; }
   /// Continue from a random vector: finds what the first start could not see.
   void renew() { renew_ = true; }
 
@@ -99,12 +99,11 @@ class Lanczos {
     }
   }
 
-  bool append(double norm) {
+  void append(double norm) {
     if (size_ == v_.cols()) reserve(2 * size_);
     v_.col(size_) = work_ / norm;
     mv_.col(size_) = product_ / norm;
     ++size_;
-    return true;
   }
 
   double norm() {
@@ -119,20 +118,21 @@ class Lanczos {
     work_.noalias() = m_ * start;
     factor_.solve_in_place(work_);  // into the space of finite eigenvalues
     const double before = norm();
-    if (!(before > 0)) return !(exhausted_ = true);
+    if (!(before > 0)) return false;
     if (size_ > 0) orthogonalise(nullptr);
     double after = norm();
-    if (!(after > 1e-9 * before)) return !(exhausted_ = true);
+    if (!(after > 1e-9 * before)) return false;
     if (size_ > 0) {
       work_ /= after;
       orthogonalise(nullptr);
       after = norm();
       coupled_ = false;
     }
-    return append(after);
+    append(after);
+    return true;
   }
 
-  bool finish_step(int j) {
+  void finish_step(int j) {
     coefficients_.setZero(size_);
     orthogonalise(&coefficients_);
     projected_.col(j).head(size_) = coefficients_;
@@ -143,18 +143,17 @@ class Lanczos {
     if (!(beta_ > 1e-13 * before)) {
       beta_ = 0;
       renew_ = true;
-      return true;
+      return;
     }
     append(beta_);
     projected_(j + 1, j) = beta_;
-    return true;
   }
 
   Eigen::SparseMatrix<double> m_;
   double shift_;
   std::mt19937_64 random_;
-  bool coupled_;  // projected_ is tridiagonal
-  bool renew_ = false, exhausted_ = false;
+  bool coupled_ = true;  // projected_ is tridiagonal
+  bool renew_ = false;
   EnvelopeFactor factor_;
   MatrixXd v_, mv_, projected_;
   VectorXd work_, product_, small_, coefficients_;
@@ -284,7 +283,7 @@ class Slices {
           pending = true;
         }
       }
-      if (static_cast<int>(inside.size()) >= wanted || !grew || lanczos.exhausted()) break;
+      if (static_cast<int>(inside.size()) >= wanted || !grew) break;
       if (!pending && ++stalled > 2) {  // equal ones, which this start cannot see
         lanczos.renew();
         stalled = 0;
@@ -317,10 +316,7 @@ int count_below(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double mu) {
 }
 
 Eigenpairs lowest_eigenpairs(const EnvelopeMatrix& k, const EnvelopeMatrix& m, int count) {
-  Eigenpairs none;
-  none.vectors.resize(k.size(), 0);
-  none.complete = true;
-  if (k.size() == 0 || count <= 0) return none;
+  if (k.size() == 0 || count <= 0) return no_eigenpairs(k.size());
   Lanczos lanczos(k, m, 0, count);
   const int n = k.size();
   int next_check = std::min(n, 2 * count + 6);
@@ -329,7 +325,7 @@ Eigenpairs lowest_eigenpairs(const EnvelopeMatrix& k, const EnvelopeMatrix& m, i
     const bool grew = lanczos.extend();
     if (grew && lanczos.done() < next_check && lanczos.done() < n) continue;
     lanczos.ritz();
-    const bool all = !grew || lanczos.exhausted() || lanczos.done() >= n;
+    const bool all = !grew || lanczos.done() >= n;
     int good = 0;
     while (good < lanczos.done() && good < count && lanczos.converged(good)) ++good;
     if (may_slice && good < count && !all && n > kLarge &&
@@ -380,16 +376,24 @@ Eigenpairs lowest_eigenpairs(const EnvelopeMatrix& k, const EnvelopeMatrix& m, i
 
 Eigenpairs eigenpairs_between(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double low,
                               double high) {
-  Eigenpairs none;
-  none.vectors.resize(k.size(), 0);
-  none.complete = true;
-  if (k.size() == 0) return none;
+  if (k.size() == 0) return no_eigenpairs(0);
   Slices slices(k, m);
   low = low > 0 ? low * (1 - 1e-12) : 0, high *= 1 + 1e-12;
   const int first = low > 0 ? slices.below(low) : 0, last = slices.below(high);
-  if (last <= first) return none;
+  if (last <= first) return no_eigenpairs(k.size());
   slices.find(low, first, high, last);
   return slices.take(last - first);
+}
+
+GeneralEigenpairs general_eigenpairs(const MatrixXd& matrix, const MatrixXd& right) {
+  GeneralEigenpairs out;
+  const Eigen::EigenSolver<MatrixXd> eigen(matrix);
+  out.values = eigen.eigenvalues();
+  out.vectors = eigen.eigenvectors();
+  if (right.cols() > 0) {
+    out.coordinates = out.vectors.partialPivLu().solve(right.cast<Complex>());
+  }
+  return out;
 }
 
 }  // namespace rigfit::model

@@ -32,4 +32,14 @@ struct Eigenpairs {
 [[nodiscard]] Eigenpairs eigenpairs_between(const EnvelopeMatrix& k, const EnvelopeMatrix& m,
                                             double low, double high);
 
+/// All eigenvalues and eigenvectors of a real square matrix: Eigen's solver, its templates compiled
+/// once.
+struct GeneralEigenpairs {
+  VectorXcd values;
+  MatrixXcd vectors;      ///< columns
+  MatrixXcd coordinates;  ///< vectors^-1 right: `right` expressed in the vectors
+};
+/// `right` may have no columns.
+[[nodiscard]] GeneralEigenpairs general_eigenpairs(const MatrixXd& matrix, const MatrixXd& right);
+
 }  // namespace rigfit::model

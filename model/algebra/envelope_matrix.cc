@@ -74,6 +74,21 @@ typename EnvelopeMatrixOf<Scalar>::Vector EnvelopeMatrixOf<Scalar>::operator*(
 }
 
 template <class Scalar>
+typename EnvelopeMatrixOf<Scalar>::Matrix EnvelopeMatrixOf<Scalar>::operator*(
+    const Matrix& x) const {
+  Matrix y(x.rows(), x.cols());
+  for (Index c = 0; c < x.cols(); ++c) y.col(c) = *this * Vector(x.col(c));
+  return y;
+}
+
+VectorXcd operator*(const EnvelopeMatrix& a, const VectorXcd& u) {
+  VectorXcd out(u.size());
+  out.real() = a * VectorXd(u.real());
+  out.imag() = a * VectorXd(u.imag());
+  return out;
+}
+
+template <class Scalar>
 Eigen::SparseMatrix<Scalar> EnvelopeMatrixOf<Scalar>::sparse() const {
   std::vector<Eigen::Triplet<Scalar>> entries;
   for (int i = 0; i < size(); ++i) {

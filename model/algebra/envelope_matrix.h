@@ -27,6 +27,7 @@ template <class Scalar>
 class EnvelopeMatrixOf {
  public:
   using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
   EnvelopeMatrixOf() = default;
   /// All zero.
@@ -47,6 +48,7 @@ class EnvelopeMatrixOf {
   /// y = A x, without allocation when y has its size.
   void multiply(const Vector& x, Vector& y) const;
   [[nodiscard]] Vector operator*(const Vector& x) const;
+  [[nodiscard]] Matrix operator*(const Matrix& x) const;
   /// Without zeros: products cost less.
   [[nodiscard]] Eigen::SparseMatrix<Scalar> sparse() const;
 
@@ -91,6 +93,9 @@ using EnvelopeMatrix = EnvelopeMatrixOf<double>;
 using EnvelopeFactor = EnvelopeFactorOf<double>;
 using ComplexEnvelopeMatrix = EnvelopeMatrixOf<Complex>;
 using ComplexEnvelopeFactor = EnvelopeFactorOf<Complex>;
+
+/// A u of a real matrix.
+[[nodiscard]] VectorXcd operator*(const EnvelopeMatrix& a, const VectorXcd& u);
 
 extern template class EnvelopeMatrixOf<double>;
 extern template class EnvelopeMatrixOf<Complex>;

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "model/scene/actual_state.h"
+#include "model/scene/model_reduction.h"
 #include "model/scene/scene_error.h"
 
 namespace rigfit::model {
@@ -80,10 +81,7 @@ class DeckWriter {
   }
 
   Vector3d position(const std::string& node) const {
-    for (const auto& candidate : scene_.nodes) {
-      if (candidate.name == node) return candidate.position;
-    }
-    return Vector3d::Zero();  // the reader has made sure that it exists
+    return scene_.nodes[at(index_named(scene_, scene_.nodes, node))].position;
   }
 
   int node_number(const std::string& node) {
@@ -102,7 +100,7 @@ class DeckWriter {
     for (std::size_t i = 0; i < scene_.members.size(); ++i) {
       const Member& member = scene_.members[i];
       const Vector3d from = position(member.nodes[0]);
-      const Vector3d span = position(member.nodes[1]) - from;
+      const Vector3d span = chord_of(scene_, member);
       const int steps = 2 * options_.elements_per_member;
       std::vector<int> line_nodes{node_number(member.nodes[0])};
       for (int k = 1; k < steps; ++k) line_nodes.push_back(add_node(from + span * k / steps));
@@ -125,69 +123,50 @@ class DeckWriter {
   // Local direction 1 of the section is the horizontal one across the member (z for the rig's
   // plane), about which EI[0] bends.
   std::string section(const Member& member, std::size_t i, const Vector3d& span) {
-    const double total_mass = member.mass_per_length * unstretched_of(member);
+    const MemberEquilibrium& rest = equilibrium_.members[i];
+    const double L0 = rest.unstretched_length_m, length = span.norm();
     const double height = std::sqrt(12 * member.EI[0] / member.EA);
     const double width = std::sqrt(12 * member.EI[1] / member.EA);
     // ccx measures Green's strain from the deck's straight length L and Kirchhoff's stress, the
     // scene force and strain e per unstretched length L0: E A (L0 / L)^3 (1 + e)(1 + e / 2) e for
     // EA e. The modulus makes the force at rest the scene's.
-    const double ratio = span.norm() / unstretched_of(member), e = strain_of(member);
+    const double ratio = length / L0, e = rest.tension_N / member.EA;
     const double modulus =
         member.EA * ratio * ratio * ratio / ((1 + e) * (1 + e / 2)) / (height * width);
-    const double density = total_mass / (height * width * span.norm());
-    add_rest(member, modulus * height * width, span.norm());
-    const Vector3d axis = span.normalized();
-    Vector3d across = Vector3d::UnitZ() - axis.z() * axis;
-    if (across.norm() < 1e-6) across = Vector3d::UnitX();
-    across.normalize();
+    const double density = member.mass_per_length * L0 / (height * width * length);
+    const bool cable = member.kind == Member::Kind::cable;
+    const double thermal = cable ? thermal_strain(L0 / length) : 0;
+    add_rest(member, modulus * height * width, e, thermal, L0, length);
+    const Vector3d across = material_axes(span).col(1);
     return fmt::format(
         "*MATERIAL,NAME=MAT{0}\n*ELASTIC\n{1:.12g},{2:.12g}\n*DENSITY\n{3:.12g}\n"
         "{9}"
         "*BEAM SECTION,ELSET=M{0},MATERIAL=MAT{0},SECTION=RECT\n{4:.12g},{5:.12g}\n"
         "{6:.12g},{7:.12g},{8:.12g}\n",
         i + 1, modulus, options_.poisson_ratio, density, width, height, across.x(), across.y(),
-        across.z(), expansion(member, span.norm()));
+        across.z(), cable ? expansion(thermal) : "");
   }
 
-  // What the deck's cable bears where it is as long as the scene's at rest.
-  void add_rest(const Member& member, double EA, double length) {
-    const double L0 = unstretched_of(member), now = L0 * (1 + strain_of(member)) / length;
-    const double a = member.kind == Member::Kind::cable ? thermal_strain(member, length) : 0;
-    const double taken = a - a * a / 2;
+  // What the deck's cable, with thermal strain a, bears where it is as long as the scene's at rest,
+  // with strain e.
+  void add_rest(const Member& member, double EA, double e, double a, double L0, double length) {
+    const double now = L0 * (1 + e) / length, taken = a - a * a / 2;
     const double force = EA * ((now * now - 1) / 2 - taken) * now;
     const double slope = EA * (1.5 * now * now - 0.5 - taken) / length;
-    members_.push_back(
-        {member.name, force, strain_of(member) * member.EA, L0 > 0 ? slope / (member.EA / L0) : 1});
+    members_.push_back({member.name, force, e * member.EA, slope / (member.EA / L0)});
   }
 
   // a with a - a^2/2 = g, Green's strain from the straight length to the unstretched one.
-  double thermal_strain(const Member& member, double length) const {
-    const double stretch = unstretched_of(member) / length;
+  static double thermal_strain(double stretch) {
     const double green = (stretch * stretch - 1) / 2;
     return 2 * green / (1 + std::sqrt(1 - 2 * green));
   }
 
   // One temperature serves all cables: strain = alpha(t) t is tight at t = 1 and as the scene asks
   // at t = 2.
-  std::string expansion(const Member& member, double length) const {
-    if (member.kind != Member::Kind::cable) return "";
-    const double strain = thermal_strain(member, length);
+  static std::string expansion(double strain) {
     return fmt::format("*EXPANSION\n{:.12g},{}\n{:.12g},{}\n", (strain - kTightStrain) / kDegree,
                        kDegree, strain / (2 * kDegree), 2 * kDegree);
-  }
-
-  double strain_of(const Member& member) const {
-    for (const auto& result : equilibrium_.members) {
-      if (result.member == member.name) return result.tension_N / member.EA;
-    }
-    return 0;
-  }
-
-  double unstretched_of(const Member& member) const {
-    for (const auto& result : equilibrium_.members) {
-      if (result.member == member.name) return result.unstretched_length_m;
-    }
-    return 0;
   }
 
   void add_point_masses(const Member& member, const std::vector<int>& line_nodes,
@@ -247,7 +226,7 @@ class DeckWriter {
   void hold_twist(const std::string& node, int number) {
     for (const auto& member : scene_.members) {
       if (member.nodes[0] != node && member.nodes[1] != node) continue;
-      const Vector3d axis = (position(member.nodes[1]) - position(member.nodes[0])).normalized();
+      const Vector3d axis = chord_of(scene_, member).normalized();
       Index main = 0;
       axis.cwiseAbs().maxCoeff(&main);
       if (member.kind == Member::Kind::beam && std::abs(std::abs(axis[main]) - 1) < 1e-12) {

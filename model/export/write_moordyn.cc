@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "model/scene/actual_state.h"
-#include "model/scene/scene_error.h"
+#include "model/scene/model_reduction.h"
 
 namespace rigfit::model {
 namespace {
@@ -27,7 +27,7 @@ double axial_damping(const Member& cable, double length) {
 }  // namespace
 
 MoordynInput moordyn_input(const Scene& given, const Equilibrium& equilibrium) {
-  const Scene scene = is_actual(given) ? given : actual_state(given);
+  const Scene scene = actual_state(given);
   const double gravity = -scene.gravity.y();
   require(gravity >= 0 && std::hypot(scene.gravity.x(), scene.gravity.z()) <= 1e-9 * gravity, scene,
           "gravity", "is not along -y");
@@ -48,9 +48,7 @@ MoordynInput moordyn_input(const Scene& given, const Equilibrium& equilibrium) {
                           node.position.y(), node.mass);
   }
   const auto number_of = [&](const std::string& name) {
-    const auto node = std::find_if(scene.nodes.begin(), scene.nodes.end(),
-                                   [&](const SceneNode& one) { return one.name == name; });
-    return node - scene.nodes.begin() + 1;
+    return index_named(scene, scene.nodes, name) + 1;
   };
   for (std::size_t m = 0; m < scene.members.size(); ++m) {
     const Member& cable = scene.members[m];

@@ -1,21 +1,12 @@
 #include "model/linear/damped_modes.h"
 
-#include "model/algebra/general_eigen.h"
+#include "model/algebra/eigenpairs.h"
 
 namespace rigfit::model {
 namespace {
 
-/// A u, A real.
-VectorXcd times(const EnvelopeMatrix& a, const VectorXcd& u) {
-  const VectorXd re = u.real(), im = u.imag();
-  VectorXcd out(u.size());
-  out.real() = a * re;
-  out.imag() = a * im;
-  return out;
-}
-
 /// u' A u without conjugation.
-Complex form(const EnvelopeMatrix& a, const VectorXcd& u) { return u.transpose() * times(a, u); }
+Complex form(const EnvelopeMatrix& a, const VectorXcd& u) { return u.transpose() * (a * u); }
 
 }  // namespace
 
@@ -68,14 +59,10 @@ VectorXcd damped_poles(const MotionModes& motion, const ChainState& state, const
   motion.assembly->damping(state, c);
 
   // The quadratic problem among the modes asked for, as a first-order one.
-  MatrixXd modal(modes, modes);
-  for (Index i = 0; i < modes; ++i) {
-    modal.col(i).noalias() = motion.shapes.transpose() * (c * VectorXd(motion.shapes.col(i)));
-  }
   MatrixXd first_order = MatrixXd::Zero(2 * modes, 2 * modes);
   first_order.topRightCorner(modes, modes).setIdentity();
   first_order.bottomLeftCorner(modes, modes).diagonal() = -motion.omega2;
-  first_order.bottomRightCorner(modes, modes) = -modal;
+  first_order.bottomRightCorner(modes, modes) = -motion.shapes.transpose() * (c * motion.shapes);
   const GeneralEigenpairs eigen = general_eigenpairs(first_order, {});
   const MatrixXcd& vectors = eigen.vectors;
   std::vector<bool> taken(static_cast<std::size_t>(2 * modes), false);
@@ -108,7 +95,7 @@ VectorXcd damped_poles(const MotionModes& motion, const ChainState& state, const
       }
       factor.factor(dynamic, 1e-15);
       // Newton's right-hand side: the derivative of the matrix by s, times the vector.
-      VectorXcd right = 2.0 * s * times(motion.mass, u) + times(c, u);
+      VectorXcd right = 2.0 * s * (motion.mass * u) + c * u;
       factor.solve_in_place(right);
       const double size = right.norm();
       if (!(size > 0) || !std::isfinite(size)) break;

@@ -98,15 +98,26 @@ Neighbours neighbours_of(const Scene& scene, const ChainModes& modes, const Bord
   return out;
 }
 
-MotionModes motion_of(const PerturbedEquilibrium& rig, const MotionModes& like) {
-  MotionModes out;
-  out.motion = like.motion;
-  out.assembly = std::make_unique<Assembly>(rig.chain, like.motion);
-  out.stiffness = out.assembly->matrix();
-  out.mass = out.assembly->matrix();
-  VectorXd force(out.assembly->size());
-  out.assembly->force_and_tangent(rig.state, force, out.stiffness);
-  out.assembly->mass(out.mass);
+EnvelopeMatrix rate_of(const EnvelopeMatrix& low, const EnvelopeMatrix& high, double width) {
+  EnvelopeMatrix out = high;
+  out.values() = (high.values() - low.values()) / width;
+  return out;
+}
+
+MotionRates motion_rates(const Neighbours& near, const MotionModes& motion) {
+  MotionRates out;
+  for (std::size_t s = 0; s < 2; ++s) {
+    MotionModes& side = out.sides[s];
+    side.motion = motion.motion;
+    side.assembly = std::make_unique<Assembly>(near.rigs[s].chain, motion.motion);
+    side.stiffness = side.mass = side.assembly->matrix();
+    VectorXd force(side.assembly->size());
+    side.assembly->force_and_tangent(near.rigs[s].state, force, side.stiffness);
+    side.assembly->mass(side.mass);
+  }
+  const double width = near.step.width();
+  out.stiffness = rate_of(out.sides[0].stiffness, out.sides[1].stiffness, width);
+  out.mass = rate_of(out.sides[0].mass, out.sides[1].mass, width);
   return out;
 }
 

@@ -23,6 +23,10 @@ struct PerturbedEquilibrium {
 struct ParameterStep {
   double value = 0, low = 0, high = 0;
   [[nodiscard]] double width() const { return high - low; }
+  /// Ten times as wide: for what is found anew on both sides, eigenvalues to 1e-10.
+  [[nodiscard]] ParameterStep wider() const {
+    return {value, value + 10 * (low - value), value + 10 * (high - value)};
+  }
 };
 
 /// The rig at `step.low` and `step.high`, which come closer where the rig moves far.
@@ -38,8 +42,16 @@ struct Neighbours {
                                        const BorderedSolver& tangent,
                                        const ParameterAccess& access);
 
-/// Stiffness and mass of a perturbed equilibrium in the motion `like` of the rig itself, without
-/// modes.
-[[nodiscard]] MotionModes motion_of(const PerturbedEquilibrium& rig, const MotionModes& like);
+/// A motion of the rig on both sides of the parameter, without modes, and the rates of its
+/// matrices.
+struct MotionRates {
+  std::array<MotionModes, 2> sides;
+  EnvelopeMatrix stiffness, mass;
+};
+/// `motion`: of the rig itself.
+[[nodiscard]] MotionRates motion_rates(const Neighbours& near, const MotionModes& motion);
+/// (high - low) / width
+[[nodiscard]] EnvelopeMatrix rate_of(const EnvelopeMatrix& low, const EnvelopeMatrix& high,
+                                     double width);
 
 }  // namespace rigfit::model

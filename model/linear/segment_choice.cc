@@ -1,4 +1,4 @@
-#include "model/linear/segment_choice.h"
+#include "model/linear/segment_extrapolation.h"
 
 #include <numeric>
 

@@ -2,8 +2,6 @@
 
 #include <numeric>
 
-#include "model/linear/segment_choice.h"
-
 namespace rigfit::model {
 namespace {
 

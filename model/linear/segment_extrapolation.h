@@ -1,5 +1,13 @@
-// Natural frequencies for vanishing segments, from a few short chains.
+// How many segments a scene needs, what a given number costs, and natural frequencies for vanishing
+// segments.
 //
+// The error of given segments (choose_segments) is a h^2 + b h^4 in the segment length h (second
+// order where tension and bending share, fourth in a beam). One and a half times and twice as many
+// segments (below six of them twice and four times) give f(0), a, b: the estimate is |f(h) - f(0)|.
+// Finer chains are asked rather than coarser ones, as the estimate is then within a tenth for any
+// order from two to six.
+//
+// Extrapolation to vanishing segments starts from a few short chains.
 // A chain lumped by RotaryInertia::even_powers errs by a h^2 + b h^4 + ... in the segments' length
 // h. Chains of 2 m, 3 m, 4 m, 6 m, 8 m, 12 m, ... segments (Bulirsch's sequence) are solved one
 // after the other, modes are followed from chain to chain by their shapes, and Neville's table of
@@ -20,6 +28,22 @@
 #include "model/linear/modes.h"
 
 namespace rigfit::model {
+
+/// Segments that a member gets at most.
+inline constexpr int kMostSegments = 2000;
+
+/// Neville's value at h = 0 of the points first..last in powers of h^2.
+[[nodiscard]] double neville(const std::vector<double>& h, const std::vector<double>& f,
+                             std::size_t first, std::size_t last);
+
+/// By member: the phase (rad) that a wave of the highest of `modes` runs through on it. There must
+/// be a mode.
+[[nodiscard]] std::vector<double> wave_phases(const Scene& scene, const ChainModes& modes);
+
+/// Members that say "auto" (all where `options` ask for an accuracy) get what the scene's or that
+/// accuracy asks for, shared out by the phase a wave of the highest asked frequency runs through on
+/// each; others keep their number. The error of what is given is estimated where `options` say so.
+[[nodiscard]] ResolvedModes choose_segments(const Scene& scene, const ModesOptions& options);
 
 /// A quantity found at several segment lengths, taken to h -> 0.
 struct SequenceLimit {
@@ -60,7 +84,7 @@ struct SequenceStart {
                                               const SequenceStart& start, double accuracy);
 
 /// The modes that an analysis is made of: extrapolated where `options` ask for an accuracy or every
-/// member leaves its segments to the program; of one chain (segment_choice.h) where a member has
+/// member leaves its segments to the program; of one chain (choose_segments) where a member has
 /// its number, and where short chains do not follow the powers of their segments' length (a column
 /// that buckles when cut coarsely).
 [[nodiscard]] ResolvedModes resolve_modes(const Scene& scene, const ModesOptions& options);

@@ -21,12 +21,9 @@ struct ModeRates {
 class ModeRateFinder {
  public:
   explicit ModeRateFinder(const MotionModes& motion)
-      : motion_(motion), factors_(static_cast<std::size_t>(motion.omega2.size())) {
-    mass_shapes_.resize(motion.shapes.rows(), motion.shapes.cols());
-    for (Index i = 0; i < mass_shapes_.cols(); ++i) {
-      mass_shapes_.col(i) = motion.mass * VectorXd(motion.shapes.col(i));
-    }
-  }
+      : motion_(motion),
+        mass_shapes_(motion.mass * motion.shapes),
+        factors_(static_cast<std::size_t>(motion.omega2.size())) {}
 
   ModeRates find(const EnvelopeMatrix& dk, const EnvelopeMatrix& dm, bool shapes) {
     ModeRates rates;
@@ -79,15 +76,11 @@ void difference_anew(const Scene& scene, const ParameterAccess& access, const Pa
     access.set(moved, value);
     return find_modes(moved, options, segments);
   };
-  // Wider than the step at fixed unknowns: eigenvalues are found to 1e-10.
-  const double reach = 10;
-  const double low = step.value + reach * (step.low - step.value);
-  const double high = step.value + reach * (step.high - step.value);
-  const ChainModes below = at(low), above = at(high);
+  const ChainModes below = at(step.low), above = at(step.high);
   for (Index i = 0; i < out.frequency.rows(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     if (below.order.size() > k && above.order.size() > k) {
-      out.frequency(i, p) = (above.frequency_hz(k) - below.frequency_hz(k)) / (high - low);
+      out.frequency(i, p) = (above.frequency_hz(k) - below.frequency_hz(k)) / step.width();
     }
   }
 }
@@ -111,21 +104,18 @@ ModeSensitivities mode_sensitivities_by(const Scene& scene,
   std::vector<ModeRateFinder> finders(modes.motions.begin(), modes.motions.end());
   for (Index p = 0; p < columns; ++p) {
     const ParameterAccess& access = wanted[std::size_t(p)];
-    const auto [step, rigs, comparable] = neighbours_of(scene, modes, tangent, access);
-    if (!comparable) {
-      difference_anew(scene, access, step, modes, options, p, out);
+    const Neighbours near = neighbours_of(scene, modes, tangent, access);
+    const ParameterStep& step = near.step;
+    if (!near.comparable) {
+      difference_anew(scene, access, near.step.wider(), modes, options, p, out);
       continue;
     }
     for (std::size_t m = 0; m < modes.motions.size(); ++m) {
       const MotionModes& motion = modes.motions[m];
       if (motion.omega2.size() == 0) continue;
-      MotionModes below = motion_of(rigs[0], motion);
-      MotionModes above = motion_of(rigs[1], motion);
-      EnvelopeMatrix dk = above.stiffness, dm = above.mass;
-      if (dk.values().size() != below.stiffness.values().size()) continue;
-      dk.values() = (above.stiffness.values() - below.stiffness.values()) / step.width();
-      dm.values() = (above.mass.values() - below.mass.values()) / step.width();
-      const ModeRates rates = finders[m].find(dk, dm, options.damped);
+      MotionRates moved = motion_rates(near, motion);
+      auto& [below, above] = moved.sides;
+      const ModeRates rates = finders[m].find(moved.stiffness, moved.mass, options.damped);
 
       VectorXd damping_rate = VectorXd::Zero(motion.omega2.size());
       if (options.damped) {  // the shapes move too
@@ -133,8 +123,8 @@ ModeSensitivities mode_sensitivities_by(const Scene& scene,
         above.omega2 = motion.omega2 + (step.high - step.value) * rates.omega2;
         below.shapes = motion.shapes + (step.low - step.value) * rates.shapes;
         above.shapes = motion.shapes + (step.high - step.value) * rates.shapes;
-        const VectorXcd p0 = damped_poles(below, rigs[0].state, rigs[0].scene);
-        const VectorXcd p1 = damped_poles(above, rigs[1].state, rigs[1].scene);
+        const VectorXcd p0 = damped_poles(below, near.rigs[0].state, near.rigs[0].scene);
+        const VectorXcd p1 = damped_poles(above, near.rigs[1].state, near.rigs[1].scene);
         for (Index i = 0; i < damping_rate.size(); ++i) {
           damping_rate[i] = (damping_ratio_of(p1[i]) - damping_ratio_of(p0[i])) / step.width();
         }

@@ -2,7 +2,6 @@
 #include <Eigen/Geometry>
 
 #include "model/algebra/numbers.h"
-#include "model/linear/segment_choice.h"
 #include "model/linear/segment_extrapolation.h"
 #include "model/scene/actual_state.h"
 

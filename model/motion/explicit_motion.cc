@@ -73,8 +73,7 @@ double hat_average(const LoadForce& force, const std::vector<double>& corners, d
 }
 
 StepForces::StepForces(const MotionProblem& problem, double step, long steps) {
-  for (std::size_t l = 0; l < problem.loads.size(); ++l) {
-    const LoadForce force(problem.loads[l], problem.records[l]);
+  for (const LoadForce& force : problem.loads) {
     LoadSteps load;
     const double end = force.end_s();
     const std::vector<double> corners = force.corners();

@@ -235,8 +235,10 @@ RIGFIT_LANE_LOOPS(avx512, RIGFIT_AVX512, 8)
 #undef RIGFIT_LANE_LOOPS
 // NOLINTEND(bugprone-macro-parentheses)
 
+}  // namespace
+
 template <int D>
-const LaneLoops<D>& chosen([[maybe_unused]] int widest) {
+const LaneLoops<D>& lane_loops([[maybe_unused]] int widest) {
 #ifdef RIGFIT_LANES_WIDER
   if (widest >= 8 && __builtin_cpu_supports("avx512f")) return k_avx512<D>;
   if (widest >= 4 && __builtin_cpu_supports("avx2")) return k_avx2<D>;
@@ -244,15 +246,7 @@ const LaneLoops<D>& chosen([[maybe_unused]] int widest) {
   return k_plain<D>;
 }
 
-}  // namespace
-
-template <>
-const LaneLoops<2>& lane_loops<2>(int widest) {
-  return chosen<2>(widest);
-}
-template <>
-const LaneLoops<3>& lane_loops<3>(int widest) {
-  return chosen<3>(widest);
-}
+template const LaneLoops<2>& lane_loops<2>(int);
+template const LaneLoops<3>& lane_loops<3>(int);
 
 }  // namespace rigfit::model

@@ -98,9 +98,5 @@ struct LaneLoops {
 /// `widest`: vectors of no more lanes than that (2, 4 or 8), where the processor has them.
 template <int D>
 [[nodiscard]] const LaneLoops<D>& lane_loops(int widest = kLanes);
-template <>
-const LaneLoops<2>& lane_loops<2>(int widest);
-template <>
-const LaneLoops<3>& lane_loops<3>(int widest);
 
 }  // namespace rigfit::model

@@ -30,8 +30,7 @@ struct MotionProblem {
   ChainState rest;                   ///< equilibrium; displacements are counted from here
   ChainState start;
   VectorXd start_velocity;                   ///< velocity of the motion's unknowns; empty: at rest
-  std::vector<Load> loads;                   ///< in the order of the chain's loads
-  std::vector<const ForceHistory*> records;  ///< one a load, null where it has none
+  std::vector<LoadForce> loads;              ///< in the order of the chain's loads
   std::vector<Sensor::Quantity> quantities;  ///< one a sensor of the chain
   bool joint_damping = false;
   std::vector<DampedModes> damped_modes;  ///< empty: no modal damping

@@ -72,12 +72,9 @@ LaneFactors lane_factors(const std::vector<double>& diagonal, const std::vector<
 }
 
 template <int D>
-NodeMass<D>::NodeMass(std::vector<Member> members, std::vector<Shared> shared, int entries)
-    : members_(std::move(members)), shared_(std::move(shared)), entries_(entries) {
-  plans_.resize(members_.size());
-  for (std::size_t m = 0; m < members_.size(); ++m) {
-    plans_[m].plain = factor(members_[m], 0);
-  }
+NodeMass<D>::NodeMass(const std::vector<Member>& members, std::vector<Shared> shared, int entries)
+    : shared_(std::move(shared)), entries_(entries) {
+  for (const Member& member : members) plans_.push_back({member, factor(member, 0), {}});
   first_free_.assign(shared_.size(), -1);
   for (std::size_t k = 0; k < shared_.size(); ++k) {
     for (int c = 0; c < D; ++c) {
@@ -102,28 +99,25 @@ typename NodeMass<D>::Inner NodeMass<D>::factor(const Member& member, double kap
     off[at(i)] -= added;
   }
   Inner out;
-  out.first_off = off.front();
-  out.last_off = off.back();
-  out.own_first = diagonal.front();
-  out.own_last = diagonal.back();
-  const int rows = member.rows;
+  const int rows = member.rows, slots = kLanes * rows;
   out.factors = lane_factors(diagonal, off, 1, n - 1, rows);
-  const std::size_t first = at(lane_slot(0, rows)), last = at(lane_slot(n, rows));
-  const std::size_t second = at(lane_slot(1, rows)), before_last = at(lane_slot(n - 1, rows));
-  // Two right-hand sides, as components.
-  const std::ptrdiff_t slots = std::ptrdiff_t{kLanes} * rows;
-  LaneVector both(at(2 * slots), 0);
-  both[second] = out.first_off;
-  both[at(slots) + before_last] = out.last_off;
+  const int node[2] = {lane_slot(0, rows), lane_slot(n, rows)};
+  const int neighbour[2] = {lane_slot(1, rows), lane_slot(n - 1, rows)};
+  LaneVector both(at(2 * slots), 0);  // two right-hand sides, as components
+  for (int end = 0; end < 2; ++end) {
+    out.off[end] = end == 0 ? off.front() : off.back();
+    both[at(end * slots + neighbour[end])] = out.off[end];
+  }
   const LaneFactors* const factors[2] = {&out.factors, &out.factors};
   lane_loops<2>().solve(factors, slots, both.data());
-  out.from_first.assign(both.begin(), both.begin() + slots);
-  out.from_last.assign(both.begin() + slots, both.end());
-  out.own_first -= out.first_off * out.from_first[second];
-  out.own_last -= out.last_off * out.from_last[before_last];
-  out.both = -out.first_off * out.from_last[second];
-  out.from_first[first] = -1;
-  out.from_last[last] = -1;
+  out.both = -out.off[0] * both[at(slots + neighbour[0])];
+  for (int end = 0; end < 2; ++end) {
+    LaneVector& from = out.from[end];
+    from.assign(both.begin() + end * slots, both.begin() + (end + 1) * slots);
+    out.own[end] =
+        (end == 0 ? diagonal.front() : diagonal.back()) - out.off[end] * from[at(neighbour[end])];
+    from[at(node[end])] = -1;
+  }
   return out;
 }
 
@@ -131,18 +125,16 @@ template <int D>
 void NodeMass<D>::slow_axial(double kappa, const double* positions) {
   kappa_ = kappa;
   any_rotated_ = false;
-  for (std::size_t m = 0; m < members_.size(); ++m) {
-    Plan& plan = plans_[m];
-    const Member& member = members_[m];
+  for (Plan& plan : plans_) {
     plan.along = -1;
     plan.rotated = false;
     plan.axes.setIdentity();
     if (!(kappa > 0)) continue;
-    plan.slowed = factor(member, kappa);
+    plan.slowed = factor(plan, kappa);
     Eigen::Matrix<double, D, 1> chord;
     for (int c = 0; c < D; ++c) {
       const double* x = positions + std::ptrdiff_t{c} * entries_;
-      chord(c) = x[member.entry.back()] - x[member.entry.front()];
+      chord(c) = x[plan.entry.back()] - x[plan.entry.front()];
     }
     chord.normalize();
     for (int c = 0; c < D; ++c) {
@@ -170,12 +162,11 @@ void NodeMass<D>::reduce() {
     row[at(f.node * D + f.component)] = static_cast<int>(i);
   }
   MatrixXd mass = MatrixXd::Zero(count, count);
-  for (std::size_t m = 0; m < members_.size(); ++m) {
-    const Plan& plan = plans_[m];
+  for (const Plan& plan : plans_) {
     Eigen::Matrix<double, D, D> block[3];
     for (int part = 0; part < 3; ++part) {
       const auto value = [&](const Inner& inner) {
-        return part == 0 ? inner.own_first : part == 1 ? inner.own_last : inner.both;
+        return part < 2 ? inner.own[part] : inner.both;
       };
       block[part].setIdentity();
       block[part] *= value(plan.plain);
@@ -185,7 +176,7 @@ void NodeMass<D>::reduce() {
     }
     for (int c = 0; c < D; ++c) {
       for (int d = 0; d < D; ++d) {
-        const int a = members_[m].shared[0], b = members_[m].shared[1];
+        const int a = plan.shared[0], b = plan.shared[1];
         const auto add = [&](int i, int j, double value) {
           if (i >= 0 && j >= 0) mass(i, j) += value;
         };
@@ -200,12 +191,12 @@ void NodeMass<D>::reduce() {
 }
 
 template <int D>
-void NodeMass<D>::rotate(const Plan& plan, const Member& member, bool back, double* values) const {
+void NodeMass<D>::rotate(const Plan& plan, bool back, double* values) const {
   Eigen::Matrix<double, D, D> turn = plan.axes;
   if (!back) turn.transposeInPlace();
-  const int slots = kLanes * member.rows;
+  const int slots = kLanes * plan.rows;
   double* a[D];
-  for (int c = 0; c < D; ++c) a[c] = values + std::ptrdiff_t{c} * entries_ + member.offset;
+  for (int c = 0; c < D; ++c) a[c] = values + std::ptrdiff_t{c} * entries_ + plan.offset;
   for (int i = 0; i < slots; ++i) {
     Eigen::Matrix<double, D, 1> value;
     for (int c = 0; c < D; ++c) value(c) = a[c][i];
@@ -223,19 +214,17 @@ void NodeMass<D>::solve(double* values) {
     for (const int entry : node.entries) sum += values[free_[i].component * entries_ + entry];
     force_(static_cast<Index>(i)) = sum;
   }
-  for (std::size_t m = 0; m < members_.size(); ++m) {
-    const Plan& plan = plans_[m];
-    const Member& member = members_[m];
-    if (plan.rotated) rotate(plan, member, false, values);
+  for (const Plan& plan : plans_) {
+    if (plan.rotated) rotate(plan, false, values);
     const LaneFactors* factors[D];
     for (int c = 0; c < D; ++c) {
       factors[c] = c == plan.along ? &plan.slowed.factors : &plan.plain.factors;
     }
-    loops_->solve(factors, entries_, values + member.offset);
+    loops_->solve(factors, entries_, values + plan.offset);
   }
   if (!free_.empty()) solve_ends(values);
-  for (std::size_t m = 0; m < members_.size(); ++m) {
-    if (plans_[m].rotated) rotate(plans_[m], members_[m], true, values);
+  for (const Plan& plan : plans_) {
+    if (plan.rotated) rotate(plan, true, values);
   }
   if (!any_rotated_) return;
   // Without the rounding of their members' turns: a node's entries stay the same.
@@ -251,17 +240,15 @@ template <int D>
 void NodeMass<D>::solve_ends(double* values) {
   // Forces on the free end nodes less what the inner nodes' accelerations take.
   const auto count = static_cast<int>(free_.size());
-  for (std::size_t m = 0; m < members_.size(); ++m) {
-    const Plan& plan = plans_[m];
-    const Member& member = members_[m];
+  for (const Plan& plan : plans_) {
     for (int end = 0; end < 2; ++end) {
-      const int node = member.shared[end], first = first_free_[at(node)];
+      const int node = plan.shared[end], first = first_free_[at(node)];
       if (first < 0) continue;
-      const int entry = member.entry[end == 0 ? 1 : at(member.segments - 1)];
+      const int entry = plan.entry[end == 0 ? 1 : at(plan.segments - 1)];
       Eigen::Matrix<double, D, 1> pull;
       for (int c = 0; c < D; ++c) {
         const Inner& inner = c == plan.along ? plan.slowed : plan.plain;
-        pull(c) = (end == 0 ? inner.first_off : inner.last_off) * values[c * entries_ + entry];
+        pull(c) = inner.off[end] * values[c * entries_ + entry];
       }
       if (plan.rotated) pull = plan.axes * pull;
       // The rows of a node follow each other by component, where they are free.
@@ -272,11 +259,9 @@ void NodeMass<D>::solve_ends(double* values) {
   }
   motion_.noalias() = inverse_ * force_;
   // The inner nodes follow their ends.
-  for (std::size_t m = 0; m < members_.size(); ++m) {
-    const Plan& plan = plans_[m];
-    const Member& member = members_[m];
+  for (const Plan& plan : plans_) {
     for (int end = 0; end < 2; ++end) {
-      const int node = member.shared[end], first = first_free_[at(node)];
+      const int node = plan.shared[end], first = first_free_[at(node)];
       if (first < 0) continue;
       Eigen::Matrix<double, D, 1> own = Eigen::Matrix<double, D, 1>::Zero();
       for (int i = first; i < count && free_[at(i)].node == node; ++i) {
@@ -284,9 +269,8 @@ void NodeMass<D>::solve_ends(double* values) {
       }
       if (plan.rotated) own = plan.axes.transpose() * own;
       for (int c = 0; c < D; ++c) {
-        const Inner& inner = c == plan.along ? plan.slowed : plan.plain;
-        const LaneVector& from = end == 0 ? inner.from_first : inner.from_last;
-        double* a = values + std::ptrdiff_t{c} * entries_ + member.offset;
+        const LaneVector& from = (c == plan.along ? plan.slowed : plan.plain).from[end];
+        double* a = values + std::ptrdiff_t{c} * entries_ + plan.offset;
         const Index slots = std::ssize(from);
         Map<VectorXd>(a, slots) -= own(c) * Map<const VectorXd>(from.data(), slots);
       }
@@ -297,29 +281,28 @@ void NodeMass<D>::solve_ends(double* values) {
 template <int D>
 double NodeMass<D>::product(const double* x, const double* y, double kappa) const {
   double sum = 0;
-  for (std::size_t m = 0; m < members_.size(); ++m) {
-    const Member& member = members_[m];
-    const int* entry = member.entry.data();
+  for (const Plan& plan : plans_) {
+    const int* entry = plan.entry.data();
     for (int c = 0; c < D; ++c) {
       const double* a = x + std::ptrdiff_t{c} * entries_;
       const double* b = y + std::ptrdiff_t{c} * entries_;
-      for (int i = 0; i <= member.segments; ++i) {
-        sum += member.diagonal[at(i)] * a[entry[i]] * b[entry[i]];
+      for (int i = 0; i <= plan.segments; ++i) {
+        sum += plan.diagonal[at(i)] * a[entry[i]] * b[entry[i]];
       }
-      for (int i = 0; i < member.segments; ++i) {
-        sum += member.off[at(i)] * (a[entry[i]] * b[entry[i + 1]] + a[entry[i + 1]] * b[entry[i]]);
+      for (int i = 0; i < plan.segments; ++i) {
+        sum += plan.off[at(i)] * (a[entry[i]] * b[entry[i + 1]] + a[entry[i + 1]] * b[entry[i]]);
       }
     }
     if (!(kappa > 0)) continue;
-    const Eigen::Matrix<double, D, 1> axis = plans_[m].axes.col(plans_[m].along);
-    for (int i = 0; i < member.segments; ++i) {
+    const Eigen::Matrix<double, D, 1> axis = plan.axes.col(plan.along);
+    for (int i = 0; i < plan.segments; ++i) {
       double dx = 0, dy = 0;
       for (int c = 0; c < D; ++c) {
         const int here = c * entries_ + entry[i], next = c * entries_ + entry[i + 1];
         dx += axis(c) * (x[next] - x[here]);
         dy += axis(c) * (y[next] - y[here]);
       }
-      sum += kappa * member.axial[at(i)] * dx * dy;
+      sum += kappa * plan.axial[at(i)] * dx * dy;
     }
   }
   return sum;

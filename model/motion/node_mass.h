@@ -35,7 +35,7 @@ class NodeMass {
   };
 
   NodeMass() = default;
-  NodeMass(std::vector<Member> members, std::vector<Shared> shared, int entries);
+  NodeMass(const std::vector<Member>& members, std::vector<Shared> shared, int entries);
 
   /// `kappa` in s^2, zero: all waves at their own speed. `positions`: entries, gives the chords.
   void slow_axial(double kappa, const double* positions);
@@ -52,16 +52,15 @@ class NodeMass {
   // Factors of a member's inner nodes, and what they take from and give to the end nodes.
   struct Inner {
     LaneFactors factors;
-    LaneVector from_first,
-        from_last;  // M_ii^-1 times the coupling to the end nodes, whose own is -1
-    double first_off = 0, last_off = 0;            // coupling to the inner neighbours
-    double own_first = 0, own_last = 0, both = 0;  // reduced mass of the end nodes
+    LaneVector from[2];  // by end: M_ii^-1 times the coupling to its node, whose own is -1
+    double off[2] = {};  // coupling to the inner neighbours
+    double own[2] = {}, both = 0;  // reduced mass of the end nodes
   };
-  struct Plan {
+  struct Plan : Member {
     Inner plain, slowed;
     int along = -1;        // component that takes the slowed mass; -1: none
     bool rotated = false;  // solved in `axes`, whose first column is the chord
-    Eigen::Matrix<double, D, D> axes;
+    Eigen::Matrix<double, D, D> axes = Eigen::Matrix<double, D, D>::Identity();
   };
   struct Free {
     int node, component;
@@ -69,12 +68,11 @@ class NodeMass {
 
   static Inner factor(const Member& member, double kappa);
   void reduce();
-  void rotate(const Plan& plan, const Member& member, bool back, double* values) const;
+  void rotate(const Plan& plan, bool back, double* values) const;
   void solve_ends(double* values);
 
-  std::vector<Member> members_;
-  std::vector<Shared> shared_;
   std::vector<Plan> plans_;
+  std::vector<Shared> shared_;
   int entries_ = 0;
   double kappa_ = 0;
   bool any_rotated_ = false;

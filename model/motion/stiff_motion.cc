@@ -55,7 +55,6 @@ class StiffRun {
     const Chain& chain = *problem.chain;
     for (std::size_t l = 0; l < chain.loads.size(); ++l) {
       load_rows_.push_back(assembly_.row_of(chain.loads[l], chain.load_direction[l]));
-      forces_.emplace_back(problem.loads[l], problem.records[l]);
     }
     for (std::size_t s = 0; s < chain.sensors.size(); ++s) {
       sensor_rows_.push_back(assembly_.row_of(chain.sensors[s], chain.sensor_direction[s]));
@@ -93,7 +92,7 @@ class StiffRun {
     full_(massive_) = velocities(of(tolerance.get()));
     out.energy.rounding = full_.dot(mass_ * full_) / 2;
     std::vector<double> stops;  // where a force or its slope jumps
-    for (const LoadForce& force : forces_) {
+    for (const LoadForce& force : problem_.loads) {
       for (const double corner : force.corners()) stops.push_back(corner);
     }
     stops.push_back(kFar);
@@ -270,8 +269,8 @@ class StiffRun {
     }
     force_ += drag_;
     double power = 0;
-    for (std::size_t l = 0; l < forces_.size(); ++l) {
-      const double f = forces_[l].at(t);
+    for (std::size_t l = 0; l < load_rows_.size(); ++l) {
+      const double f = problem_.loads[l].at(t);
       if (f == 0) continue;
       force_ -= f * load_rows_[l];
       power += f * load_rows_[l].dot(w_);
@@ -364,7 +363,6 @@ class StiffRun {
   Index n_, moving_ = 0, size_ = 0;
   std::vector<int> massive_;
   std::vector<VectorXd> load_rows_, sensor_rows_;
-  std::vector<LoadForce> forces_;
   VectorXd u_, w_, force_, drag_, full_, rest_;
   bool acceleration_wanted_ = false;
   void* memory_ = nullptr;

@@ -1,6 +1,6 @@
 #include "model/response/linear_answer.h"
 
-#include "model/algebra/general_eigen.h"
+#include "model/algebra/eigenpairs.h"
 #include "model/linear/damped_modes.h"
 #include "model/scene/sensor_quantity.h"
 
@@ -42,6 +42,49 @@ PoleModel coupled_poles(const VectorXd& omega, const MatrixXd& damping, const Ma
   return model;
 }
 
+// What each mode and each pole has of the motion after the last force.
+void weigh(const Scene& scene, const std::vector<LoadForce>& forces, double duration_s,
+           LinearAnswer& out) {
+  const PoleModel& model = out.modal;
+  const Index modes = out.omega.size(), poles = model.poles.size();
+  out.energy = VectorXd::Zero(modes);
+  out.sensed = VectorXd::Zero(poles);
+  VectorXcd z = model.initial;
+  const double begin = std::min(duration_s, last_force_s(forces));
+  advance(model, forces, 0, begin, z);
+
+  const double span = std::max(duration_s - begin, 1e-9);
+  const auto mean_decay = [&](Index p) {
+    const double decay = -2 * model.poles(p).real() * span;
+    return decay > 1e-9 ? -std::expm1(-decay) / decay : 1;
+  };
+  double all = 0;
+  for (Index p = 0; p < poles; ++p) {
+    Index& mode = out.mode_of_pole.emplace_back(0);
+    model.output.col(p).cwiseAbs().cwiseProduct(out.omega).maxCoeff(&mode);
+    // Amplitude, not the displacement of the moment.
+    const double omega2 = std::norm(model.poles(p));
+    const double energy = std::norm(model.output(mode, p) * z(p)) * omega2 / 2;
+    out.energy(mode) += energy;
+    out.mean_omega2 += energy * mean_decay(p) * omega2;
+    all += energy;
+  }
+  if (all > 0) out.mean_omega2 /= all;
+  if (out.energy.sum() > 0) out.energy /= out.energy.sum();
+
+  for (Index s = 0; s < out.sensors.output.rows(); ++s) {
+    const int derivatives =
+        described(scene.sensors[static_cast<std::size_t>(s)].quantity).derivatives;
+    VectorXd own(poles);
+    for (Index p = 0; p < poles; ++p) {
+      own(p) = std::norm(out.sensors.output(s, p) * z(p)) *
+               std::pow(std::norm(model.poles(p)), derivatives) * mean_decay(p);
+    }
+    if (own.sum() > 0) out.sensed += own / own.sum();
+  }
+  if (out.sensed.sum() > 0) out.sensed /= out.sensed.sum();
+}
+
 }  // namespace
 
 VectorXd hung_weights(const Scene& scene) {
@@ -66,8 +109,12 @@ VectorXd renumbered(const VectorXd& x, const Numbering& from, const Numbering& t
   return result;
 }
 
-LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene) {
+LinearAnswer linear_answer(ChainModes found, const Scene& scene,
+                           const std::vector<LoadForce>& forces, double duration_s) {
   LinearAnswer out;
+  out.modes = std::move(found);
+  const ChainModes& modes = out.modes;
+  if (modes.motions.empty()) return out;
   const ChainState& rest = modes.equilibrium.state;
   const auto loads = static_cast<Index>(scene.loads.size());
   const auto sensors = static_cast<Index>(scene.sensors.size());
@@ -101,9 +148,7 @@ LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene) {
     if (coupled) {
       EnvelopeMatrix c = motion.assembly->matrix();
       motion.assembly->damping(rest, c);
-      MatrixXd product(shapes.rows(), n);
-      for (Index i = 0; i < n; ++i) product.col(i) = c * VectorXd(shapes.col(i));
-      damping.block(first, first, n, n) = shapes.transpose() * product;
+      damping.block(first, first, n, n) = shapes.transpose() * (c * shapes);
     }
     int inertial = 0;
     for (int i = 0; i < motion.mass.size(); ++i) inertial += motion.mass.at(i, i) > 0;
@@ -143,6 +188,7 @@ LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene) {
       out.sensors.offset(s) = axial(segment);
     }
   }
+  weigh(scene, forces, duration_s, out);
   return out;
 }
 

@@ -9,17 +9,13 @@ namespace {
 
 using std::numbers::pi;
 
-// (e^x - 1)/x and (e^x - 1 - x)/x^2, by their series where the closed forms cancel.
-Complex phi1(Complex x) {
-  if (std::abs(x) > 0.5) return (std::exp(x) - 1.0) / x;
-  Complex sum = 1, term = 1;
-  for (int k = 2; k < 16; ++k) sum += (term *= x / static_cast<double>(k));
-  return sum;
-}
-Complex phi2(Complex x) {
-  if (std::abs(x) > 0.5) return (std::exp(x) - 1.0 - x) / (x * x);
-  Complex sum = 0.5, term = 0.5;
-  for (int k = 3; k < 17; ++k) sum += (term *= x / static_cast<double>(k));
+// phi1 and phi2 (n), by their series where the closed forms cancel.
+Complex phi(int n, Complex x) {
+  if (std::abs(x) > 0.5) {
+    return n == 1 ? (std::exp(x) - 1.0) / x : (std::exp(x) - 1.0 - x) / (x * x);
+  }
+  Complex sum = 1.0 / n, term = sum;
+  for (int k = n + 1; k < n + 15; ++k) sum += (term *= x / static_cast<double>(k));
   return sum;
 }
 
@@ -28,10 +24,30 @@ Complex sine_integral(Complex s, double Omega, double a, double T) {
   const auto part = [&](Complex w) {  // int_0^T e^{s (T - tau)} e^{w (a + tau)} dtau
     const Complex x = (w - s) * T;
     return std::exp(w * a) * (std::abs(x) > 0.5 ? (std::exp(w * T) - std::exp(s * T)) / (w - s)
-                                                : std::exp(s * T) * T * phi1(x));
+                                                : std::exp(s * T) * T * phi(1, x));
   };
   const Complex i(0, 1);
   return (part(i * Omega) - part(-i * Omega)) / (2.0 * i);
+}
+
+// What a recorded force adds to z from one time to another.
+void add_record(const PoleModel& model, const ForceHistory& record,
+                const Ref<const VectorXcd>& input, double t0, double t1, VectorXcd& z) {
+  const auto& t = record.time_s;
+  const auto& f = record.force_N;
+  if (t1 <= t.front() || t0 >= t.back()) return;
+  auto i = static_cast<std::size_t>(
+      std::max<std::ptrdiff_t>(1, std::upper_bound(t.begin(), t.end(), t0) - t.begin()));
+  for (; i < t.size() && t[i - 1] < t1; ++i) {
+    const double from = std::max(t0, t[i - 1]), to = std::min(t1, t[i]), h = to - from;
+    if (!(h > 0)) continue;
+    const double slope = (f[i] - f[i - 1]) / (t[i] - t[i - 1]);
+    const double f0 = f[i - 1] + slope * (from - t[i - 1]), rise = slope * h;
+    for (Index r = 0; r < z.size(); ++r) {
+      const Complex s = model.poles(r), x = s * h;
+      z(r) += input(r) * std::exp(s * (t1 - to)) * h * (phi(1, x) * f0 + phi(2, x) * rise);
+    }
+  }
 }
 
 // Samples of a system left to itself: y_n = Re sum_r w_r z_r lambda_r^n, all sensors, `z` its state
@@ -101,69 +117,35 @@ PoleModel pole_model(const VectorXd& omega, const VectorXd& damping_ratio,
   return model;
 }
 
-ModalPropagator::ModalPropagator(const PoleModel& model, const std::vector<Load>& loads,
-                                 const std::vector<const ForceHistory*>& records)
-    : model_(model), loads_(loads), records_(records) {
-  assert(model.input.cols() == static_cast<Index>(loads.size()));
-  assert(records.size() == loads.size());
-  for (std::size_t l = 0; l < loads.size(); ++l) {
-    forces_.emplace_back(loads[l], records[l]);
-    last_force_ = std::max(last_force_, forces_.back().end_s());
-  }
-}
-
-void ModalPropagator::advance(VectorXcd& z, double t0, double t1) const {
+void advance(const PoleModel& model, const std::vector<LoadForce>& forces, double t0, double t1,
+             VectorXcd& z) {
   const double h = t1 - t0;
   if (!(h > 0)) return;
-  const Index poles = model_.poles.size();
-  for (Index r = 0; r < poles; ++r) z(r) *= std::exp(model_.poles(r) * h);
-  for (std::size_t l = 0; l < loads_.size(); ++l) {
-    const Load& load = loads_[l];
-    const auto column = static_cast<Index>(l);
+  for (Index r = 0; r < z.size(); ++r) z(r) *= std::exp(model.poles(r) * h);
+  for (std::size_t l = 0; l < forces.size(); ++l) {
+    const Load& load = forces[l].load;
+    const auto input = model.input.col(static_cast<Index>(l));
     if (load.kind == Load::Kind::impact) {
       const double from = std::max(t0, load.start);
       const double to = std::min(t1, load.start + load.duration);
       if (!(to > from)) continue;
       const double Omega = pi / load.duration;
-      for (Index r = 0; r < poles; ++r) {
-        const Complex s = model_.poles(r);
-        z(r) += model_.input(r, column) * load.peak * std::exp(s * (t1 - to)) *
+      for (Index r = 0; r < z.size(); ++r) {
+        const Complex s = model.poles(r);
+        z(r) += input(r) * load.peak * std::exp(s * (t1 - to)) *
                 sine_integral(s, Omega, from - load.start, to - from);
       }
     } else if (load.kind == Load::Kind::record) {
-      add_record(z, *records_[l], column, t0, t1);
-    }
-  }
-}
-
-void ModalPropagator::add_record(VectorXcd& z, const ForceHistory& record, Index column, double t0,
-                                 double t1) const {
-  const auto& t = record.time_s;
-  const auto& f = record.force_N;
-  if (t1 <= t.front() || t0 >= t.back()) return;
-  auto i = static_cast<std::size_t>(
-      std::max<std::ptrdiff_t>(1, std::upper_bound(t.begin(), t.end(), t0) - t.begin()));
-  for (; i < t.size() && t[i - 1] < t1; ++i) {
-    const double from = std::max(t0, t[i - 1]), to = std::min(t1, t[i]), h = to - from;
-    if (!(h > 0)) continue;
-    const double slope = (f[i] - f[i - 1]) / (t[i] - t[i - 1]);
-    const double f0 = f[i - 1] + slope * (from - t[i - 1]), rise = slope * h;
-    for (Index r = 0; r < model_.poles.size(); ++r) {
-      const Complex s = model_.poles(r), x = s * h;
-      z(r) +=
-          model_.input(r, column) * std::exp(s * (t1 - to)) * h * (phi1(x) * f0 + phi2(x) * rise);
+      add_record(model, *forces[l].record, input, t0, t1, z);
     }
   }
 }
 
 MatrixXd modal_response(const PoleModel& model, const std::vector<Sensor::Quantity>& quantities,
-                        const std::vector<Load>& loads,
-                        const std::vector<const ForceHistory*>& records, double step_s,
-                        Index rows) {
+                        const std::vector<LoadForce>& forces, double step_s, Index rows) {
   const Index sensors = model.output.rows(), poles = model.poles.size();
   assert(static_cast<Index>(quantities.size()) == sensors && step_s > 0);
-  const ModalPropagator propagator(model, loads, records);
-
+  assert(model.input.cols() == static_cast<Index>(forces.size()));
   // Derivatives of Re(c z): Re(c s z) + Re(c b) f, and so on; the first feed-through vanishes for
   // displacements, the second is the unit force's acceleration.
   MatrixXcd weights = model.output;
@@ -185,18 +167,18 @@ MatrixXd modal_response(const PoleModel& model, const std::vector<Sensor::Quanti
   VectorXcd z = model.initial;
   Index row = 0;
   // Sample by sample while any force acts, then freely.
-  const double last_force = propagator.last_force_s();
+  const double last_force = last_force_s(forces);
   for (double t = 0; row < rows && t < last_force; ++row, t = step_s * static_cast<double>(row)) {
-    if (row > 0) propagator.advance(z, step_s * static_cast<double>(row - 1), t);
+    if (row > 0) advance(model, forces, step_s * static_cast<double>(row - 1), t, z);
     for (Index k = 0; k < sensors; ++k) out(row, k) = (weights.row(k) * z).real().value();
-    for (std::size_t l = 0; l < loads.size(); ++l) {
-      const double f = propagator.force(l).at(t);
+    for (std::size_t l = 0; l < forces.size(); ++l) {
+      const double f = forces[l].at(t);
       if (f != 0) out.row(row) += f * direct.col(static_cast<Index>(l)).transpose();
     }
   }
   if (row < rows) {
     const double t = step_s * static_cast<double>(row);
-    if (row > 0) propagator.advance(z, step_s * static_cast<double>(row - 1), t);
+    if (row > 0) advance(model, forces, step_s * static_cast<double>(row - 1), t, z);
     free_samples(model, weights, step_s, z, out.bottomRows(rows - row));
   }
   if (model.offset.size() > 0) out.rowwise() += model.offset.transpose();

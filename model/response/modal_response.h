@@ -37,30 +37,11 @@ struct PoleModel {
 /// truncated model leaves out the inertia of the modes that are not in it.
 [[nodiscard]] MatrixXd modal_response(const PoleModel& model,
                                       const std::vector<Sensor::Quantity>& quantities,
-                                      const std::vector<Load>& loads,
-                                      const std::vector<const ForceHistory*>& records,
-                                      double step_s, Index rows);
+                                      const std::vector<LoadForce>& forces, double step_s,
+                                      Index rows);
 
 /// z from one time to another, exact for every load.
-class ModalPropagator {
- public:
-  /// All must outlive this object.
-  ModalPropagator(const PoleModel& model, const std::vector<Load>& loads,
-                  const std::vector<const ForceHistory*>& records);
-
-  [[nodiscard]] double last_force_s() const { return last_force_; }  ///< 0: no force at all
-  [[nodiscard]] const LoadForce& force(std::size_t load) const { return forces_[load]; }
-  void advance(VectorXcd& z, double t0, double t1) const;
-
- private:
-  void add_record(VectorXcd& z, const ForceHistory& record, Index column, double t0,
-                  double t1) const;
-
-  const PoleModel& model_;
-  const std::vector<Load>& loads_;
-  const std::vector<const ForceHistory*>& records_;
-  std::vector<LoadForce> forces_;
-  double last_force_ = 0;
-};
+void advance(const PoleModel& model, const std::vector<LoadForce>& forces, double t0, double t1,
+             VectorXcd& z);
 
 }  // namespace rigfit::model

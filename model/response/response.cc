@@ -8,7 +8,6 @@
 #include "model/motion/motion_kernel.h"
 #include "model/motion/stiff_motion.h"
 #include "model/response/linear_answer.h"
-#include "model/response/nonlinearity.h"
 #include "model/response/response_modes.h"
 #include "model/scene/scene_error.h"
 #include "model/statics/equilibrium.h"
@@ -16,9 +15,10 @@
 namespace rigfit::model {
 namespace {
 
-std::vector<const ForceHistory*> records_of(const Scene& scene, const ResponseOptions& options) {
-  std::vector<const ForceHistory*> records(scene.loads.size(), nullptr);
+std::vector<LoadForce> forces_of(const Scene& scene, const ResponseOptions& options) {
+  std::vector<LoadForce> forces;
   for (std::size_t l = 0; l < scene.loads.size(); ++l) {
+    forces.push_back({scene.loads[l]});
     if (scene.loads[l].kind != Load::Kind::record) continue;
     const std::string key = "load[" + std::to_string(l) + "].file";
     if (l >= options.records.size() || options.records[l].time_s.empty()) {
@@ -35,9 +35,9 @@ std::vector<const ForceHistory*> records_of(const Scene& scene, const ResponseOp
       throw SceneError({scene.file, 0, 0, key}, "its times do not rise or a value is missing",
                        "give finite forces at strictly rising times");
     }
-    records[l] = &record;
+    forces[l].record = &record;
   }
-  return records;
+  return forces;
 }
 
 // Nothing pushes the scene out of its plane.
@@ -47,9 +47,9 @@ bool plane_is_enough(const Chain& chain) {
                      [](const Vector3d& direction) { return std::abs(direction.z()) <= 1e-12; });
 }
 
-std::vector<DampedModes> damped_modes(const ChainModes& modes, const LinearAnswer& answer,
-                                      const Assembly& assembly) {
+std::vector<DampedModes> damped_modes(const LinearAnswer& answer, const Assembly& assembly) {
   std::vector<DampedModes> out;
+  const ChainModes& modes = answer.modes;
   EnvelopeMatrix mass = assembly.matrix();
   assembly.mass(mass);
   const auto elongations = assembly.elongations(modes.equilibrium.state);
@@ -100,7 +100,7 @@ std::string not_explicit(const MotionProblem& problem) {
 class Simulation {
  public:
   Simulation(const Scene& scene, const ResponseOptions& options)
-      : scene_(scene), options_(options), records_(records_of(scene, options)) {}
+      : scene_(scene), options_(options), forces_(forces_of(scene, options)) {}
 
   ResponseResult run() {
     const auto started = std::chrono::steady_clock::now();
@@ -124,37 +124,31 @@ class Simulation {
     const bool any_auto = std::any_of(scene_.members.begin(), scene_.members.end(),
                                       [](const Member& m) { return m.segments <= 0; });
     if (any_auto && !options_.segments) {
-      ResponseResolution choice =
-          choose_response_segments(scene_, records_, options_.sampling.duration_s);
-      modes_ = std::move(choice.modes);
-      answer_ = std::move(choice.answer);
-      out_.resolution_error = choice.relative_error;
+      answer_ = choose_response_segments(scene_, forces_, options_.sampling.duration_s);
+      out_.resolution_error = answer_.resolution_error;
     } else {
       std::vector<int> segments;
       if (options_.segments) segments.assign(scene_.members.size(), *options_.segments);
-      modes_ = response_modes(scene_, segments);
+      answer_ = linear_answer(response_modes(scene_, segments), scene_, forces_,
+                              options_.sampling.duration_s);
     }
-    out_.equilibrium = describe(*modes_.chain, modes_.equilibrium, scene_);
-    if (modes_.equilibrium.status != EquilibriumStatus::converged || modes_.motions.empty()) {
-      out_.reason = modes_.equilibrium.reason;
-      return false;
-    }
-    out_.segments = modes_.chain->segment_counts();
-    if (answer_.omega.size() == 0) answer_ = linear_answer(modes_, scene_);
-    weights_ = mode_weights(answer_, scene_, records_, options_.sampling.duration_s);
-    return true;
+    const ChainModes& modes = answer_.modes;
+    out_.equilibrium = describe(*modes.chain, modes.equilibrium, scene_);
+    out_.segments = modes.chain->segment_counts();
+    if (modes.motions.empty()) out_.reason = modes.equilibrium.reason;
+    return !modes.motions.empty();
   }
 
   void choose() {
-    const Chain& chain = *modes_.chain;
+    const Chain& chain = *answer_.modes.chain;
     plane_ = !options_.space && plane_is_enough(chain);
     problem_.motion = plane_ ? Motion::in_plane : Motion::space;
     out_.motion = plane_ ? "plane" : "space";
     assembly_ = std::make_unique<Assembly>(chain, problem_.motion);
     out_.unknowns = assembly_->size();
 
-    shift_ = estimate_nonlinearity(modes_, answer_, scene_, records_, options_.sampling.duration_s,
-                                   *assembly_);
+    shift_ =
+        estimate_nonlinearity(answer_, scene_, forces_, options_.sampling.duration_s, *assembly_);
     out_.frequency_shift = shift_.frequency_shift;
     out_.frequency_at_rest_hz = shift_.frequency_at_rest_hz;
     out_.frequency_moving_hz = shift_.frequency_moving_hz;
@@ -176,8 +170,7 @@ class Simulation {
   bool run_modal() {
     out_.step_s = 1 / options_.sampling.rate_hz;
     const auto rows = static_cast<Index>(options_.sampling.rows());
-    out_.samples = modal_response(answer_.sensors, problem_.quantities, scene_.loads, records_,
-                                  out_.step_s, rows);
+    out_.samples = modal_response(answer_.sensors, problem_.quantities, forces_, out_.step_s, rows);
     out_.steps = static_cast<long>(rows) - 1;
     out_.completed = out_.samples.allFinite();
     if (!out_.completed) out_.reason = "the motion is not finite";
@@ -185,14 +178,12 @@ class Simulation {
   }
 
   bool run_exact() {
-    const Chain& chain = *modes_.chain;
-    const ChainState& rest = modes_.equilibrium.state;
-    problem_.chain = &chain;
+    const ChainState& rest = answer_.modes.equilibrium.state;
+    problem_.chain = answer_.modes.chain.get();
     problem_.rest = problem_.start = rest;
-    problem_.loads = scene_.loads;
-    problem_.records = records_;
+    problem_.loads = forces_;
     problem_.joint_damping = has_joint_dampers(scene_);
-    problem_.damped_modes = damped_modes(modes_, answer_, *assembly_);
+    problem_.damped_modes = damped_modes(answer_, *assembly_);
     const VectorXd weight = load_rows(*assembly_) * hung_weights(scene_);
     LoadedState loaded = loaded_state(*assembly_, rest, weight);
     if (!loaded.converged) {
@@ -219,7 +210,7 @@ class Simulation {
       run.sampling = options_.sampling;
       run.relative_tolerance = options_.relative_tolerance.value_or(scene_.accuracy / 1000);
       double mass = 0;
-      for (const Segment& segment : modes_.chain->segments) mass += segment.mass;
+      for (const Segment& segment : answer_.modes.chain->segments) mass += segment.mass;
       if (shift_.energy_J > 0 && shift_.frequency_at_rest_hz > 0) {
         run.velocity_m_s = std::sqrt(2 * shift_.energy_J / mass);
         run.displacement_m =
@@ -232,7 +223,7 @@ class Simulation {
     run.step_s = options_.step_s;
     const double interval = 1 / options_.sampling.rate_hz;
     run.damper_interval_s =
-        damper_interval(answer_, weights_, shift_.upper_frequency_hz, interval, scene_.accuracy);
+        damper_interval(answer_, shift_.upper_frequency_hz, interval, scene_.accuracy);
     // A step that is asked for is meant for the dampers too: they converge with it.
     if (options_.step_s) {
       run.damper_interval_s = std::min(run.damper_interval_s, 4 * *options_.step_s);
@@ -243,8 +234,8 @@ class Simulation {
       run.slowed_step_s = *options_.axial ? 0 : interval;
     } else if (shift_.frequency_shift < 1) {
       // A third of what is asked for: the number of segments and the estimates take theirs.
-      run.slowed_step_s = slowed_step(modes_, answer_, weights_, shift_.frequency_shift, interval,
-                                      scene_.accuracy / 3);
+      run.slowed_step_s =
+          slowed_step(answer_, shift_.frequency_shift, interval, scene_.accuracy / 3);
     }
     return explicit_motion(problem_, run);
   }
@@ -253,18 +244,17 @@ class Simulation {
     const auto leave_out = [&](std::string what, double error, const char* of = "frequency") {
       out_.left_out.push_back({std::move(what), error, of});
     };
-    const Chain& chain = *modes_.chain;
     if (linear()) {
       leave_out("change of stiffness with motion", shift_.frequency_shift);
       if (answer_.truncated) {
-        leave_out("modes above those found", truncated_part(answer_, weights_, scene_), "response");
+        leave_out("modes above those found", truncated_part(answer_, scene_), "response");
       }
     } else {
       out_.kept.push_back("geometrically exact stiffness");
     }
+    const StepErrors errors =
+        explicit_step_errors(answer_, shift_.frequency_shift, out_.step_s, out_.axial_slowing_s2);
     if (out_.axial_slowing_s2 > 0) {
-      const StepErrors errors = explicit_step_errors(
-          modes_, answer_, weights_, shift_.frequency_shift, out_.step_s, out_.axial_slowing_s2);
       // kappa omega^2 / 2 = 1 %
       const double at_hz = std::sqrt(0.02 / out_.axial_slowing_s2) / (2 * std::numbers::pi);
       std::ostringstream what;
@@ -275,12 +265,9 @@ class Simulation {
       out_.kept.push_back("axial dynamics");
     }
     if (out_.solver == ResponseSolver::explicit_motion) {
-      leave_out(
-          "what happens within a step",
-          explicit_step_errors(modes_, answer_, weights_, shift_.frequency_shift, out_.step_s, 0)
-              .scheme);
+      leave_out("what happens within a step", errors.scheme);
     }
-    if (chain.frames > 0) {
+    if (answer_.modes.chain->frames > 0) {
       out_.kept.push_back("torsion");
     } else if (std::any_of(scene_.members.begin(), scene_.members.end(),
                            [](const Member& m) { return m.GJ > 0; })) {
@@ -293,7 +280,7 @@ class Simulation {
       out_.kept.push_back("motion out of the plane");
     }
     if (out_.resolution_error < 0 && options_.resolution_estimate) {
-      out_.resolution_error = resolution_error(scene_, modes_, answer_, weights_);
+      out_.resolution_error = resolution_error(scene_, answer_);
     }
     if (out_.resolution_error >= 0) {
       leave_out("bending within segments", out_.resolution_error);
@@ -302,11 +289,9 @@ class Simulation {
 
   const Scene& scene_;
   const ResponseOptions& options_;
-  const std::vector<const ForceHistory*> records_;
+  const std::vector<LoadForce> forces_;
   ResponseResult out_;
-  ChainModes modes_;
   LinearAnswer answer_;
-  ModeWeights weights_;
   Nonlinearity shift_;
   MotionProblem problem_;
   std::unique_ptr<Assembly> assembly_;
@@ -314,11 +299,6 @@ class Simulation {
 };
 
 }  // namespace
-
-const char* name_of(ResponseSolver solver) {
-  constexpr const char* kNames[] = {"auto", "modal", "explicit", "stiff"};
-  return kNames[static_cast<std::size_t>(solver)];
-}
 
 ResponseResult simulate_response(const Scene& scene, const ResponseOptions& options) {
   return Simulation(scene, options).run();

@@ -1,13 +1,13 @@
 // Computes the time response of a scene by a solver chosen for it.
 //
 // The linear response is computed first, and from it the shift of frequencies with amplitude is
-// estimated (nonlinearity.h). If the shift is within the scene's accuracy, the exact modal response
-// is returned. Otherwise the non-linear equations are integrated, in the plane when nothing pushes
-// the scene out of it, by the explicit scheme or, where that cannot handle the scene (joint
-// dampers, torsion, nodes that turn in space), by the stiff one. Only motions that a load drives
-// are computed; axial waves are slowed (explicit_motion.h) where the estimated error allows it;
-// "auto" members get enough segments to keep the error of frequencies below the scene's accuracy.
-// Every choice can be forced, and effects left out are listed with their estimated error
+// estimated (response_modes.h). If the shift is within the scene's accuracy, the exact modal
+// response is returned. Otherwise the non-linear equations are integrated, in the plane when
+// nothing pushes the scene out of it, by the explicit scheme or, where that cannot handle the scene
+// (joint dampers, torsion, nodes that turn in space), by the stiff one. Only motions that a load
+// drives are computed; axial waves are slowed (explicit_motion.h) where the estimated error allows
+// it; "auto" members get enough segments to keep the error of frequencies below the scene's
+// accuracy. Every choice can be forced, and effects left out are listed with their estimated error
 // (response_modes.h).
 //
 // A hung mass acts as mass x |gravity| along the load's direction and is removed at t = 0. Sensors
@@ -31,7 +31,10 @@ enum class ResponseSolver {
   stiff_motion,     ///< stiff_motion.h
 };
 /// The word in JSON, such as "modal".
-[[nodiscard]] const char* name_of(ResponseSolver solver);
+[[nodiscard]] constexpr const char* name_of(ResponseSolver solver) {
+  constexpr const char* kNames[] = {"auto", "modal", "explicit", "stiff"};
+  return kNames[static_cast<std::size_t>(solver)];
+}
 
 /// Sampling of the time history, and choices above that are forced.
 struct ResponseOptions {

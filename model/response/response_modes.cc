@@ -6,14 +6,16 @@
 namespace rigfit::model {
 namespace {
 
-constexpr int kAllModes = 400;  // unknowns of a motion up to which all modes are taken
+constexpr std::size_t kCompared = 6;  // modes whose shift is looked at
+constexpr int kAllModes = 400;        // unknowns of a motion up to which all modes are taken
 constexpr int kSomeModes = 200;
 constexpr double kUsualSegments = 30, kMostAutoSegments = 400;
 
 bool driven(const MotionModes& motion) { return !load_rows(*motion.assembly).isZero(1e-12); }
 
 // Share of axial stretching in a mode's strain energy, phi' K_axial phi / omega^2.
-double stretching(const ChainModes& modes, const LinearAnswer& answer, int mode) {
+double stretching(const LinearAnswer& answer, Index mode) {
+  const ChainModes& modes = answer.modes;
   const auto [m, k] = answer.mode[static_cast<std::size_t>(mode)];
   const MotionModes& motion = modes.motions[static_cast<std::size_t>(m)];
   const VectorXd stretch =
@@ -25,6 +27,25 @@ double stretching(const ChainModes& modes, const LinearAnswer& answer, int mode)
   }
   const double omega2 = motion.omega2(k);
   return omega2 > 0 ? std::min(1.0, sum / omega2) : 0;
+}
+
+// The eigenvalues of K x = lambda M x whose vectors are nearest to the given mass-normalised
+// shapes; empty when K is not positive definite. Among the lowest: as many again and more, because
+// a motion in space has modes between that no load drives.
+VectorXd nearest_eigenvalues(const EnvelopeMatrix& stiffness, const EnvelopeMatrix& mass,
+                             const MatrixXd& shapes) {
+  EnvelopeFactor factor;
+  if (!factor.factor(stiffness) || factor.negative_pivots() > 0) return {};
+  const Eigenpairs pairs =
+      lowest_eigenpairs(stiffness, mass, 2 * static_cast<int>(shapes.cols()) + 4);
+  if (pairs.values.size() == 0) return {};
+  VectorXd values(shapes.cols());
+  for (Index i = 0; i < shapes.cols(); ++i) {
+    Index nearest = 0;
+    (pairs.vectors.transpose() * (mass * VectorXd(shapes.col(i)))).cwiseAbs().maxCoeff(&nearest);
+    values(i) = pairs.values(nearest);
+  }
+  return values;
 }
 
 }  // namespace
@@ -44,56 +65,114 @@ ChainModes response_modes(const Scene& scene, const std::vector<int>& segments) 
   return out;
 }
 
-ModeWeights mode_weights(const LinearAnswer& answer, const Scene& scene,
-                         const std::vector<const ForceHistory*>& records, double duration_s) {
-  ModeWeights out;
-  const PoleModel& model = answer.modal;
-  const Index modes = answer.omega.size(), poles = model.poles.size();
-  out.energy = VectorXd::Zero(modes);
-  out.sensors = VectorXd::Zero(poles);
-  out.mode_of_pole.assign(static_cast<std::size_t>(poles), 0);
-  if (poles == 0) return out;
-  const ModalPropagator propagator(model, scene.loads, records);
-  VectorXcd z = model.initial;
-  const double begin = std::min(duration_s, propagator.last_force_s());
-  propagator.advance(z, 0, begin);
+Nonlinearity estimate_nonlinearity(const LinearAnswer& answer, const Scene& scene,
+                                   const std::vector<LoadForce>& forces, double duration_s,
+                                   const Assembly& assembly) {
+  Nonlinearity out;
+  const ChainModes& modes = answer.modes;
+  const Index count = answer.omega.size();
+  if (count == 0) return out;
+  const double last_force = last_force_s(forces);
+  double begin = duration_s;
+  for (const LoadForce& force : forces) {
+    for (const double t : force.corners()) begin = std::clamp(t, 0.0, begin);
+  }
 
-  const double span = std::max(duration_s - begin, 1e-9);
-  const auto mean_decay = [&](Index p) {
-    const double decay = -2 * model.poles(p).real() * span;
-    return decay > 1e-9 ? -std::expm1(-decay) / decay : 1;
+  // Modal coordinates where the strain energy is greatest. A hung mass' own state is the start.
+  VectorXcd z = answer.modal.initial;
+  const auto coordinates = [&]() -> VectorXd { return (answer.modal.output * z).real(); };
+  const auto energies = [&](const VectorXd& q) -> VectorXd {
+    return 0.5 * (answer.omega.cwiseProduct(q)).cwiseAbs2();
   };
-  double all = 0;
-  for (Index p = 0; p < poles; ++p) {
-    Index mode = 0;
-    model.output.col(p).cwiseAbs().cwiseProduct(answer.omega).maxCoeff(&mode);
-    out.mode_of_pole[static_cast<std::size_t>(p)] = static_cast<int>(mode);
-    // Amplitude, not the displacement of the moment.
-    const double omega2 = std::norm(model.poles(p));
-    const double energy = std::norm(model.output(mode, p) * z(p)) * omega2 / 2;
-    out.energy(mode) += energy;
-    out.mean_omega2 += energy * mean_decay(p) * omega2;
-    all += energy;
-  }
-  if (all > 0) out.mean_omega2 /= all;
-  if (out.energy.sum() > 0) out.energy /= out.energy.sum();
-
-  for (Index s = 0; s < answer.sensors.output.rows(); ++s) {
-    const int derivatives =
-        described(scene.sensors[static_cast<std::size_t>(s)].quantity).derivatives;
-    VectorXd own(poles);
-    for (Index p = 0; p < poles; ++p) {
-      own(p) = std::norm(answer.sensors.output(s, p) * z(p)) *
-               std::pow(std::norm(model.poles(p)), derivatives) * mean_decay(p);
+  VectorXd q = coordinates();
+  double greatest = energies(q).sum();
+  if (last_force > 0) {
+    const double lowest = answer.omega.minCoeff();
+    const double end =
+        std::min(duration_s, last_force + 4 * std::numbers::pi / std::max(lowest, 1e-3));
+    if (!z.isZero(0)) begin = 0;  // else at rest until a force begins
+    const int instants = 80;
+    for (int i = 1; i <= instants; ++i) {
+      const double t = begin + (end - begin) * i / instants;
+      advance(answer.modal, forces, begin + (end - begin) * (i - 1) / instants, t, z);
+      const VectorXd here = coordinates();
+      const double energy = energies(here).sum();
+      if (energy > greatest) greatest = energy, q = here;
     }
-    if (own.sum() > 0) out.sensors += own / own.sum();
   }
-  if (out.sensors.sum() > 0) out.sensors /= out.sensors.sum();
+  out.energy_J = greatest;
+  if (!(greatest > 0)) return out;
+  const VectorXd share = energies(q) / greatest;
+
+  std::vector<Index> rising(static_cast<std::size_t>(count));
+  for (Index i = 0; i < count; ++i) rising[static_cast<std::size_t>(i)] = i;
+  std::sort(rising.begin(), rising.end(),
+            [&](Index a, Index b) { return answer.omega(a) < answer.omega(b); });
+  double held = 0;
+  for (Index i : rising) {
+    held += share(i);
+    out.upper_frequency_hz = answer.omega(i) / (2 * std::numbers::pi);
+    if (held >= 0.99) break;
+  }
+
+  // Elastic forces of the linear answer in the motion's unknowns, and its lowest shapes.
+  const Numbering& to = assembly.numbering();
+  EnvelopeMatrix stiffness = assembly.matrix(), mass = assembly.matrix();
+  VectorXd force(assembly.size());
+  assembly.force_and_tangent(modes.equilibrium.state, force, stiffness);
+  assembly.mass(mass);
+  VectorXd u = VectorXd::Zero(assembly.size());
+  std::vector<Index> lowest;
+  MatrixXd shapes(assembly.size(), 0);
+  for (Index i : rising) {
+    const auto [m, k] = answer.mode[static_cast<std::size_t>(i)];
+    const MotionModes& motion = modes.motions[static_cast<std::size_t>(m)];
+    const VectorXd shape = renumbered(motion.shapes.col(k), motion.assembly->numbering(), to);
+    if (q(i) != 0) u += q(i) * shape;
+    if (lowest.size() < kCompared && !shape.isZero(0)) {
+      lowest.push_back(i);
+      shapes.conservativeResize(Eigen::NoChange, shapes.cols() + 1);
+      shapes.rightCols(1) = shape;
+    }
+  }
+  // Without forces the hung masses themselves.
+  const VectorXd load =
+      last_force > 0 ? stiffness * u : VectorXd(load_rows(assembly) * hung_weights(scene));
+  if (lowest.empty()) return out;
+  // Eigenvalues in both extremes; one alone when there is no equilibrium the other way.
+  VectorXd values[2];
+  for (int side = 0; side < 2; ++side) {
+    const LoadedState loaded =
+        loaded_state(assembly, modes.equilibrium.state, side == 0 ? load : VectorXd(-load));
+    if (!loaded.converged) continue;
+    assembly.force_and_tangent(loaded.state, force, stiffness);
+    values[side] = nearest_eigenvalues(stiffness, mass, shapes);
+  }
+  if (values[0].size() == 0 || values[1].size() == 0) {
+    out.frequency_shift = 1;
+    return out;
+  }
+  double weighted = 0, weight = 0, most = -1;
+  const auto compared = static_cast<Index>(lowest.size());
+  for (Index i = 0; i < std::min({compared, values[0].size(), values[1].size()}); ++i) {
+    const Index mode = lowest[static_cast<std::size_t>(i)];
+    const double rest = answer.omega(mode) * answer.omega(mode);
+    const double even = ((values[0](i) + values[1](i)) / (2 * rest) - 1) / 8;
+    const double half = (values[0](i) - values[1](i)) / (2 * rest), odd = 5 * half * half / 48;
+    weighted += share(mode) * (std::abs(even) + odd);
+    weight += share(mode);
+    if (share(mode) > most) {
+      most = share(mode);
+      out.frequency_at_rest_hz = answer.omega(mode) / (2 * std::numbers::pi);
+      out.frequency_moving_hz = out.frequency_at_rest_hz * (1 + even - odd);
+    }
+  }
+  out.frequency_shift = weight > 0 ? weighted / weight : 0;
   return out;
 }
 
-double resolution_error(const Scene& scene, const ChainModes& modes, const LinearAnswer& answer,
-                        const ModeWeights& weights) {
+double resolution_error(const Scene& scene, const LinearAnswer& answer) {
+  const ChainModes& modes = answer.modes;
   std::vector<int> finer = modes.chain->segment_counts();
   for (int& segments : finer) segments *= 2;
   const ChainModes fine = prepare_motions(scene, ModesOptions{}, finer);
@@ -102,7 +181,7 @@ double resolution_error(const Scene& scene, const ChainModes& modes, const Linea
   Index first = 0;
   for (std::size_t k = 0; k < modes.motions.size(); ++k) {
     const Index own = modes.motions[k].omega2.size();
-    const VectorXd energy = weights.energy.segment(first, own);
+    const VectorXd energy = answer.energy.segment(first, own);
     // The lowest modes that hold all but a thousandth of this motion's energy.
     int count = 0;
     for (double held = 0; count < own && held < 0.999 * energy.sum(); ++count) {
@@ -121,77 +200,69 @@ double resolution_error(const Scene& scene, const ChainModes& modes, const Linea
   return error;
 }
 
-ResponseResolution choose_response_segments(const Scene& scene,
-                                            const std::vector<const ForceHistory*>& records,
-                                            double duration_s) {
-  ResponseResolution now;
+LinearAnswer choose_response_segments(const Scene& scene, const std::vector<LoadForce>& forces,
+                                      double duration_s) {
+  LinearAnswer now;
   double n = kUsualSegments;
   for (int round = 0; round < 4; ++round) {
     std::vector<int> trial;
     for (const Member& member : scene.members) {
       trial.push_back(member.segments > 0 ? member.segments : static_cast<int>(n));
     }
-    ChainModes modes = response_modes(scene, trial);
-    if (modes.equilibrium.status != EquilibriumStatus::converged) {
-      if (round == 0) now.modes = std::move(modes);
-      break;
-    }
-    now = {std::move(modes), {}, 0};
-    now.answer = linear_answer(now.modes, scene);
-    const ModeWeights weights = mode_weights(now.answer, scene, records, duration_s);
-    now.relative_error = resolution_error(scene, now.modes, now.answer, weights);
-    const double ratio = now.relative_error / scene.accuracy;
+    LinearAnswer next = linear_answer(response_modes(scene, trial), scene, forces, duration_s);
+    const bool rests = next.modes.equilibrium.status == EquilibriumStatus::converged;
+    if (rests || round == 0) now = std::move(next);
+    if (!rests) break;
+    now.resolution_error = resolution_error(scene, now);
+    const double ratio = now.resolution_error / scene.accuracy;
     if (ratio <= 1 || n >= kMostAutoSegments) break;
     n = std::min(std::ceil(1.05 * n * std::clamp(std::sqrt(ratio), 1.05, 4.0)), kMostAutoSegments);
   }
   return now;
 }
 
-StepErrors explicit_step_errors(const ChainModes& modes, const LinearAnswer& answer,
-                                const ModeWeights& weights, double shift, double step_s,
+StepErrors explicit_step_errors(const LinearAnswer& answer, double shift, double step_s,
                                 double kappa) {
   StepErrors out;
-  for (Index p = 0; p < weights.sensors.size(); ++p) {
-    const double weight = weights.sensors(p);
+  for (Index p = 0; p < answer.sensed.size(); ++p) {
+    const double weight = answer.sensed(p);
     if (!(weight > 1e-12)) continue;
     const double omega2 = std::norm(answer.modal.poles(p)), x = omega2 * step_s * step_s;
     out.scheme += weight * std::min(1.0, x * x / 1440);
     if (!(kappa > 0)) continue;
-    const double axial =
-        stretching(modes, answer, weights.mode_of_pole[static_cast<std::size_t>(p)]);
-    const double moving = 2 * shift * std::max(omega2, weights.mean_omega2);
+    const double axial = stretching(answer, answer.mode_of_pole[static_cast<std::size_t>(p)]);
+    const double moving = 2 * shift * std::max(omega2, answer.mean_omega2);
     out.slowed_axial += weight * std::min(1.0, kappa * (omega2 * axial / 2 + moving));
   }
   return out;
 }
 
-double slowed_step(const ChainModes& modes, const LinearAnswer& answer, const ModeWeights& weights,
-                   double shift, double interval_s, double accuracy) {
+double slowed_step(const LinearAnswer& answer, double shift, double interval_s, double accuracy) {
   for (int n = 1; n <= 64; ++n) {
     const double h = interval_s / n;
-    const StepErrors errors = explicit_step_errors(modes, answer, weights, shift, h, h * h / 8);
+    const StepErrors errors = explicit_step_errors(answer, shift, h, h * h / 8);
     if (errors.scheme + errors.slowed_axial <= accuracy) return h;
   }
   return 0;
 }
 
-double damper_interval(const LinearAnswer& answer, const ModeWeights& weights, double upper_hz,
-                       double sample_s, double accuracy) {
+double damper_interval(const LinearAnswer& answer, double upper_hz, double sample_s,
+                       double accuracy) {
   const VectorXcd& s = answer.modal.poles;
   const auto seen = (s.cwiseAbs().array() * sample_s <= std::numbers::pi).cast<double>();
-  const VectorXd weight = weights.sensors.array() * seen;
+  const VectorXd weight = answer.sensed.array() * seen;
   const VectorXd rate2 = s.real().cwiseAbs2();
   const double sixteenth = 1 / (16 * std::max(upper_hz, 1e-3));
   return std::min(
       {sample_s, sixteenth, std::sqrt(2 * accuracy / std::max(weight.dot(rate2), 1e-12))});
 }
 
-double truncated_part(const LinearAnswer& answer, const ModeWeights& weights, const Scene& scene) {
+double truncated_part(const LinearAnswer& answer, const Scene& scene) {
   if (!answer.truncated) return 0;
   const double top = answer.modal.poles.cwiseAbs().maxCoeff();
   double upper = 0;
-  for (Index p = 0; p < weights.sensors.size(); ++p) {
-    if (std::abs(answer.modal.poles(p)) > top / 2) upper += weights.sensors(p);
+  for (Index p = 0; p < answer.sensed.size(); ++p) {
+    if (std::abs(answer.modal.poles(p)) > top / 2) upper += answer.sensed(p);
   }
   // Mean squares per mode fall by r^-4, -2, 0 in displacement, velocity, acceleration: beyond the
   // top there is 1/7 of what its upper half holds, as much, or no end.
@@ -201,7 +272,7 @@ double truncated_part(const LinearAnswer& answer, const ModeWeights& weights, co
     if (derivatives == 1) factor = std::max(factor, 1.0);
     if (derivatives == 2) return upper > 0 ? 1 : 0;
   }
-  const double all = weights.sensors.sum();
+  const double all = answer.sensed.sum();
   return all > 0 ? std::sqrt(factor * upper / all) : 0;
 }
 

@@ -1,23 +1,16 @@
 #include "model/scene/force_history.h"
 
-#include <cassert>
-
 namespace rigfit::model {
 
-LoadForce::LoadForce(Load load, const ForceHistory* record)
-    : load_(std::move(load)), record_(record) {
-  assert(load_.kind != Load::Kind::record || (record_ && !record_->time_s.empty()));
-}
-
 double LoadForce::at(double time_s) const {
-  if (load_.kind == Load::Kind::impact) {
-    const double t = time_s - load_.start;
-    if (!(t > 0 && t < load_.duration)) return 0;
-    return load_.peak * std::sin(std::numbers::pi * t / load_.duration);
+  if (load.kind == Load::Kind::impact) {
+    const double t = time_s - load.start;
+    if (!(t > 0 && t < load.duration)) return 0;
+    return load.peak * std::sin(std::numbers::pi * t / load.duration);
   }
-  if (load_.kind == Load::Kind::release) return 0;
-  const auto& t = record_->time_s;
-  const auto& f = record_->force_N;
+  if (load.kind == Load::Kind::release) return 0;
+  const auto& t = record->time_s;
+  const auto& f = record->force_N;
   if (time_s < t.front() || time_s > t.back()) return 0;
   const auto above = std::upper_bound(t.begin(), t.end(), time_s);
   if (above == t.end()) return f.back();
@@ -26,14 +19,20 @@ double LoadForce::at(double time_s) const {
 }
 
 std::vector<double> LoadForce::corners() const {
-  if (load_.kind == Load::Kind::impact) return {load_.start, load_.start + load_.duration};
-  if (load_.kind == Load::Kind::record) return record_->time_s;
+  if (load.kind == Load::Kind::impact) return {load.start, load.start + load.duration};
+  if (load.kind == Load::Kind::record) return record->time_s;
   return {};
 }
 
 double LoadForce::end_s() const {
   const auto times = corners();
   return times.empty() ? 0 : std::max(0.0, times.back());
+}
+
+double last_force_s(const std::vector<LoadForce>& forces) {
+  double last = 0;
+  for (const LoadForce& force : forces) last = std::max(last, force.end_s());
+  return last;
 }
 
 }  // namespace rigfit::model

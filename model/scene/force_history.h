@@ -12,12 +12,10 @@ struct ForceHistory {
   std::vector<double> force_N;
 };
 
-/// The force of a load of a scene as a function of time.
-class LoadForce {
- public:
-  /// `record` is used (and must be there) for a load of kind `record`; it must outlive this object.
-  /// A release has no force after t = 0.
-  LoadForce(Load load, const ForceHistory* record);
+/// The force of a load of a scene as a function of time; a release has none after t = 0.
+struct LoadForce {
+  Load load;
+  const ForceHistory* record = nullptr;  ///< of a load of kind `record`, not empty; else not used
 
   /// Force along the load's direction, N.
   [[nodiscard]] double at(double time_s) const;
@@ -25,10 +23,8 @@ class LoadForce {
   [[nodiscard]] std::vector<double> corners() const;
   /// The last time at which the force is not zero; 0 when it always is.
   [[nodiscard]] double end_s() const;
-
- private:
-  Load load_;
-  const ForceHistory* record_;
 };
+/// The last time at which any of the forces is not zero, s.
+[[nodiscard]] double last_force_s(const std::vector<LoadForce>& forces);
 
 }  // namespace rigfit::model

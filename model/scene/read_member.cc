@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "model/scene/scene_numbers.h"
-
 namespace rigfit::model {
 namespace {
 

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <map>
 #include <set>
 
 #include "model/algebra/numbers.h"
+#include "model/scene/actual_state.h"
 #include "model/scene/read_member.h"
 #include "model/scene/sensor_quantity.h"
 
@@ -148,11 +148,10 @@ Sensor read_sensor(TomlTable& table, std::size_t index) {
 
 /// Refuses a name that was given before (nodes, members and loads share one set of names, as
 /// parameters are called "<name>.<quantity>").
-void claim(std::set<std::string>& names, const std::string& name, const TomlTable& table) {
-  if (!names.insert(name).second) {
-    throw table.error("name", "\"" + name + "\" is used twice",
-                      "give nodes, members and loads names of their own");
-  }
+void claim(std::set<std::string>& names, const std::string& name, const TomlTable& table,
+           const char* remedy = "give nodes, members and loads names of their own") {
+  if (names.insert(name).second) return;
+  throw table.error("name", "\"" + name + "\" is used twice", remedy);
 }
 
 std::string missing(const std::string& name, const std::vector<std::string>& known) {
@@ -234,10 +233,7 @@ class Reader {
     }
     for (TomlTable& table : root_.tables_or_empty("sensor")) {
       scene_.sensors.push_back(read_sensor(table, scene_.sensors.size()));
-      if (!sensors_taken.insert(scene_.sensors.back().name).second) {
-        throw table.error("name", "\"" + scene_.sensors.back().name + "\" is used twice",
-                          "give each sensor a name of its own");
-      }
+      claim(sensors_taken, scene_.sensors.back().name, table, "give each sensor a name of its own");
       sensor_tables_.push_back(table);
     }
     root_.finish();
@@ -278,21 +274,19 @@ class Reader {
   }
 
   void check_members(const std::vector<std::string>& node_names) {
-    std::map<std::string, std::size_t> index;
-    for (std::size_t i = 0; i < node_names.size(); ++i) index[node_names[i]] = i;
     std::vector<bool> used(node_names.size(), false);
     for (std::size_t m = 0; m < scene_.members.size(); ++m) {
       const Member& member = scene_.members[m];
       const TomlTable& table = member_tables_[m];
       for (const auto& name : member.nodes) {
-        if (!index.contains(name)) {
+        const auto node = std::ranges::find(node_names, name);
+        if (node == node_names.end()) {
           throw table.error("nodes", "there is no node \"" + name + "\"",
                             missing(name, node_names));
         }
-        used[index[name]] = true;
+        used[static_cast<std::size_t>(node - node_names.begin())] = true;
       }
-      const Vector3d chord = scene_.nodes[index[member.nodes[1]]].position -
-                             scene_.nodes[index[member.nodes[0]]].position;
+      const Vector3d chord = chord_of(scene_, member);
       if (member.nodes[0] == member.nodes[1] || !(chord.stableNorm() > 0)) {
         throw table.error("nodes", "\"" + member.name + "\" has no length: its ends coincide",
                           "join two nodes at different positions");
@@ -318,7 +312,7 @@ class Reader {
     const bool at_node = !place.node.empty();
     const auto& known = at_node ? node_names : member_names;
     const auto& name = at_node ? place.node : place.member;
-    if (std::find(known.begin(), known.end(), name) == known.end()) {
+    if (std::ranges::find(known, name) == known.end()) {
       throw table.error(at_node ? "node" : "member",
                         fmt::format("there is no {} \"{}\"", at_node ? "node" : "member", name),
                         missing(name, known));
@@ -346,9 +340,8 @@ class Reader {
                                       "let them share a node, or make two scenes of them");
       }
     }
-    const bool held = std::any_of(scene_.nodes.begin(), scene_.nodes.end(), [](const auto& node) {
-      return node.support.kind != Support::Kind::free;
-    });
+    const bool held = std::ranges::any_of(
+        scene_.nodes, [](const auto& node) { return node.support.kind != Support::Kind::free; });
     if (!held && !scene_.gravity.isZero()) {
       throw root_.error("node", "nothing holds the rig: no node has a support",
                         "give at least one node support = \"clamped\" or \"pinned\", or set "

@@ -11,7 +11,7 @@
 
 namespace rigfit::model {
 
-using document::Bound, document::TomlTable;
+using document::Bound, document::nearest_word, document::TomlTable;
 
 /// A key of `Owner`. A plain number that is not required keeps the value that a new `Owner` has
 /// and is written where it differs.

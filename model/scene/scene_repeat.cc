@@ -18,8 +18,7 @@ bool same(const Support& a, const Support& b) {
 
 template <class T>
 T* find(std::vector<T>& things, const std::string& name) {
-  const auto at = std::find_if(things.begin(), things.end(),
-                               [&](const T& thing) { return thing.name == name; });
+  const auto at = std::ranges::find(things, name, &T::name);
   return at == things.end() ? nullptr : &*at;
 }
 
@@ -55,6 +54,12 @@ void repeat(Scene& scene, TomlTable& table) {
     }
   }
 
+  const auto claim = [&](const std::string& name) {
+    if (find(scene.nodes, name) || find(scene.members, name)) {
+      throw table.error("members", "the copy \"" + name + "\" has a name that is taken",
+                        "rename the other");
+    }
+  };
   const double near = 1e-9 * offset.norm();
   std::vector<std::string> part = nodes;  // the repeated nodes and their copies
   for (int copy = 2; copy <= count + 1; ++copy) {
@@ -67,10 +72,7 @@ void repeat(Scene& scene, TomlTable& table) {
           scene.nodes.begin(), scene.nodes.end(),
           [&](const SceneNode& other) { return (other.position - node.position).norm() <= near; });
       if (there == scene.nodes.end()) {
-        if (find(scene.nodes, node.name) || find(scene.members, node.name)) {
-          throw table.error("members", "the copy \"" + node.name + "\" has a name that is taken",
-                            "rename the other");
-        }
+        claim(node.name);
         copied[name] = node.name;
         part.push_back(node.name);
         scene.nodes.push_back(std::move(node));
@@ -90,10 +92,7 @@ void repeat(Scene& scene, TomlTable& table) {
     for (const auto& name : members) {
       Member member = *find(scene.members, name);
       member.name = fmt::format("{}-{}", name, copy);
-      if (find(scene.members, member.name) || find(scene.nodes, member.name)) {
-        throw table.error("members", "the copy \"" + member.name + "\" has a name that is taken",
-                          "rename the other");
-      }
+      claim(member.name);
       for (auto& node : member.nodes) node = copied[node];
       scene.members.push_back(std::move(member));
     }

@@ -29,7 +29,6 @@ std::string quoted(const std::string& text) {
 
 /// Shortest text that reads back to the same double, always a TOML number.
 std::string number(double value) {
-  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
   if (value == 0) return std::signbit(value) ? "-0.0" : "0";  // -0 would be a whole number: 0
   return fmt::format("{}", value);
 }

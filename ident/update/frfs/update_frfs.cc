@@ -9,7 +9,7 @@
 // with that to 1 %, stay as they are.
 
 #include "ident/update/problem/update_problem.h"
-#include "model/frfs/frf_sensitivities.h"
+#include "model/frfs/frf_synthesis.h"
 
 namespace rigfit::ident {
 namespace {

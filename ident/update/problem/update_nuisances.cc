@@ -19,7 +19,7 @@
 // line is bounded as the place is, by the 5 % quantile of the lines' relative uncertainties.
 
 #include "ident/update/problem/update_problem.h"
-#include "model/frfs/frf_sensitivities.h"
+#include "model/frfs/frf_synthesis.h"
 
 namespace rigfit::ident {
 namespace {

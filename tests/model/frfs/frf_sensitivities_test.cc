@@ -1,5 +1,5 @@
 // Against differences of FRFs synthesised anew: another equilibrium, other equations, other modes.
-#include "model/frfs/frf_sensitivities.h"
+#include "model/frfs/frf_synthesis.h"
 
 #include "model/scene/scene_error.h"
 #include "tests/scenes.h"

@@ -1,6 +1,6 @@
 #include "model/linear/damped_modes.h"
 
-#include "model/algebra/general_eigen.h"
+#include "model/algebra/eigenpairs.h"
 #include "model/linear/modal_analysis.h"
 #include "tests/scenes.h"
 #include "tests/test.h"

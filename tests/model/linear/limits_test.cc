@@ -11,7 +11,7 @@ constexpr double kMass = 0.16667, kEA = 221780, kSpan = 2.4;
 constexpr double kWeight = kMass * kStandardGravity;
 
 /// What the estimate of the error by the number of segments may be short of it: a tenth
-/// (segment_choice.h), and what rounding makes of a frequency.
+/// (segment_extrapolation.h), and what rounding makes of a frequency.
 constexpr double kHonest = 1.1, kRounding = 1e-9;
 
 Scene cable(double EI, double degrees = 0) {

@@ -13,8 +13,7 @@ using testing::sensor;
 MotionProblem let_go(const Chain& chain, const Scene& scene, Motion motion) {
   MotionProblem problem{.chain = &chain, .motion = motion};
   problem.rest = problem.start = drawn_state(chain);
-  problem.loads = scene.loads;
-  problem.records.assign(scene.loads.size(), nullptr);
+  for (const Load& load : scene.loads) problem.loads.push_back({load});
   for (const Sensor& s : scene.sensors) problem.quantities.push_back(s.quantity);
   return problem;
 }

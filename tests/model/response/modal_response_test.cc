@@ -60,13 +60,11 @@ class ModalResponseDamping : public ::testing::TestWithParam<double> {};
 TEST_P(ModalResponseDamping, AgreesWithRungeKuttaAndItsOwnEquation) {
   const Oscillator o{46, GetParam(), 0.7};
   // The pulse begins and ends between samples and is shorter than one.
-  const std::vector<Load> loads{impact(100, 0.0021, 0.0333)};
+  const LoadForce force{impact(100, 0.0021, 0.0333)};
   const double h = 0.005, q0 = 0.02;
   const PoleModel model = one_mode(o, q0, 3);
-  const Eigen::MatrixXd y =
-      modal_response(model, {Quantity::displacement, Quantity::velocity, Quantity::acceleration},
-                     loads, {nullptr}, h, 60);
-  const LoadForce force(loads[0], nullptr);
+  const Eigen::MatrixXd y = modal_response(
+      model, {Quantity::displacement, Quantity::velocity, Quantity::acceleration}, {force}, h, 60);
   for (int n = 0; n < 60; ++n) {
     const auto truth = integrate(o, force, q0, n * h);
     // Near zeta = 1 the two poles cancel: 1e-16 / 1.4e-4, and zeta itself is moved by 1e-8.
@@ -87,10 +85,9 @@ INSTANTIATE_TEST_SUITE_P(FromFreeToHeavy, ModalResponseDamping,
 TEST(ModalResponse, PulseInResonanceIsExact) {
   // omega = pi / duration: sin(w t) drives its own frequency, q = (sin wt - wt cos wt)/(2 w^2).
   const double w = 50, D = kPi / w;
-  const std::vector<Load> loads{impact(3, D, 0)};
   const PoleModel model = one_mode({w, 0, 1}, 0, 1);
   const Eigen::MatrixXd y =
-      modal_response(model, {Quantity::displacement}, loads, {nullptr}, D / 7, 8);
+      modal_response(model, {Quantity::displacement}, {{impact(3, D, 0)}}, D / 7, 8);
   for (int n = 0; n < 8; ++n) {
     const double a = w * D / 7 * n;
     EXPECT_NEAR(y(n, 0), 3 * (std::sin(a) - a * std::cos(a)) / (2 * w * w), 1e-15);
@@ -99,12 +96,10 @@ TEST(ModalResponse, PulseInResonanceIsExact) {
 
 TEST(ModalResponse, RecordedForceIsExactBetweenItsSamples) {
   ForceHistory history{{0.01, 0.013, 0.02, 0.05}, {0, 5, -2, 0}};
-  const std::vector<Load> loads{record()};
+  const LoadForce force{record(), &history};
   const Oscillator o{300, 0.02, 1};
   const PoleModel model = one_mode(o, 0, 1);
-  const Eigen::MatrixXd y =
-      modal_response(model, {Quantity::displacement}, loads, {&history}, 0.004, 30);
-  const LoadForce force(loads[0], &history);
+  const Eigen::MatrixXd y = modal_response(model, {Quantity::displacement}, {force}, 0.004, 30);
   for (int n = 0; n < 30; ++n) EXPECT_NEAR(y(n, 0), integrate(o, force, 0, 0.004 * n)[0], 1e-13);
 }
 
@@ -122,7 +117,7 @@ TEST(ModalResponse, ManyModesAddUpAndLongResponsesStayExact) {
   const Index rows = 20001;
   const double h = 0.0005;
   const Eigen::MatrixXd y =
-      modal_response(model, {Quantity::displacement}, {impact(0, 1, 0)}, {nullptr}, h, rows);
+      modal_response(model, {Quantity::displacement}, {{impact(0, 1, 0)}}, h, rows);
   for (Index n = 0; n < rows; n += 997) {
     double expected = 0;
     const double t = h * static_cast<double>(n);
@@ -138,14 +133,14 @@ TEST(ModalResponse, ManyModesAddUpAndLongResponsesStayExact) {
 
 TEST(ForceHistory, LoadsOverTime) {
   const Load pulse = impact(10, 0.002, 0.5);
-  const LoadForce force(pulse, nullptr);
+  const LoadForce force{pulse};
   EXPECT_EQ(force.at(0.4999), 0);
   EXPECT_NEAR(force.at(0.501), 10, 1e-12);
   EXPECT_EQ(force.at(0.503), 0);
   EXPECT_NEAR(force.end_s(), 0.502, 1e-15);
   const ForceHistory history{{1, 2, 4}, {0, 3, 1}};
   const Load recorded = record();
-  const LoadForce sampled(recorded, &history);
+  const LoadForce sampled{recorded, &history};
   EXPECT_EQ(sampled.at(0.99), 0);
   EXPECT_NEAR(sampled.at(1.5), 1.5, 1e-15);
   EXPECT_NEAR(sampled.at(3), 2, 1e-15);

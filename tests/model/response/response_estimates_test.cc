@@ -100,6 +100,7 @@ TEST(ResponseEstimates, ChangeOfStiffnessWithMotion) {
 TEST(ResponseEstimates, ModesAboveThoseFound) {
   Scene scene = released(30, 0.002, 0.25);
   scene.sensors.pop_back();
+  const std::vector<LoadForce> forces{{scene.loads[0]}};
   const auto found = [&](int modes) {
     ChainModes out = response_modes(scene, {});
     MotionModes& plane = out.motions[0];
@@ -107,14 +108,13 @@ TEST(ResponseEstimates, ModesAboveThoseFound) {
     return out;
   };
   const auto samples = [&](const LinearAnswer& answer) {
-    return modal_response(answer.sensors, {Quantity::displacement}, scene.loads, {nullptr}, 1e-3,
-                          1001);
+    return modal_response(answer.sensors, {Quantity::displacement}, forces, 1e-3, 1001);
   };
-  const LinearAnswer all = linear_answer(response_modes(scene, {}), scene);
-  EXPECT_EQ(truncated_part(all, mode_weights(all, scene, {nullptr}, 1), scene), 0);
+  const LinearAnswer all = linear_answer(response_modes(scene, {}), scene, forces, 1);
+  EXPECT_EQ(truncated_part(all, scene), 0);
   for (const int modes : {5, 9}) {
-    const LinearAnswer some = linear_answer(found(modes), scene);
-    expect_honest(truncated_part(some, mode_weights(some, scene, {nullptr}, 1), scene),
+    const LinearAnswer some = linear_answer(found(modes), scene, forces, 1);
+    expect_honest(truncated_part(some, scene),
                   (samples(some) - samples(all)).norm() / samples(all).norm());
   }
 }
@@ -130,14 +130,13 @@ TEST(ResponseEstimates, SegmentsChosenReachTheAccuracy) {
   const auto truth = [&](int segments) {
     // Against a chain of 240: its own error is below a hundredth of these. All transverse modes
     // there are, which so few segments have below the axial ones.
-    const ChainModes modes = response_modes(scene, {segments}),
-                     limit = response_modes(scene, {240});
-    const LinearAnswer answer = linear_answer(modes, scene);
-    const ModeWeights weights = mode_weights(answer, scene, {nullptr}, 0.5);
+    const ChainModes limit = response_modes(scene, {240});
+    const LinearAnswer answer =
+        linear_answer(response_modes(scene, {segments}), scene, {{scene.loads[0]}}, 0.5);
     double error = 0;
     for (Index i = 0; i < std::min(segments - 1, 60); ++i) {
       error +=
-          weights.energy(i) * std::abs(answer.omega(i) / std::sqrt(limit.motions[0].omega2(i)) - 1);
+          answer.energy(i) * std::abs(answer.omega(i) / std::sqrt(limit.motions[0].omega2(i)) - 1);
     }
     return error;
   };
