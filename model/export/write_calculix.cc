@@ -224,22 +224,25 @@ class DeckWriter {
   // A pinned end is free to turn but not about the member's own axis. Where no axis of the deck
   // lies along it ccx has no way to say so: an equation between rotations does not hold them.
   void hold_twist(const std::string& node, int number) {
+    const Member* ending = nullptr;  // a beam before cables
     for (const auto& member : scene_.members) {
       if (member.nodes[0] != node && member.nodes[1] != node) continue;
-      const Vector3d axis = chord_of(scene_, member).normalized();
-      Index main = 0;
-      axis.cwiseAbs().maxCoeff(&main);
-      if (member.kind == Member::Kind::beam && std::abs(std::abs(axis[main]) - 1) < 1e-12) {
-        line(fmt::format("*BOUNDARY\n{0},{1},{1}", number, main + 4));
-      } else {
-        notes_.push_back(
-            node + ": free to twist, which gives the deck a spinning mode that the scene has not" +
-            (member.kind == Member::Kind::cable
-                 ? " (ccx would hold a sagging end's other rotations too)"
-                 : ""));
+      if (!ending || (ending->kind == Member::Kind::cable && member.kind == Member::Kind::beam)) {
+        ending = &member;
       }
-      return;
     }
+    if (!ending) return;
+    const Vector3d axis = chord_of(scene_, *ending).normalized();
+    Index main = 0;
+    axis.cwiseAbs().maxCoeff(&main);
+    if (ending->kind == Member::Kind::beam && std::abs(std::abs(axis[main]) - 1) < 1e-12) {
+      return line(fmt::format("*BOUNDARY\n{0},{1},{1}", number, main + 4));
+    }
+    notes_.push_back(
+        node + ": free to twist, which gives the deck a spinning mode that the scene has not" +
+        (ending->kind == Member::Kind::cable
+             ? " (ccx would hold a sagging end's other rotations too)"
+             : ""));
   }
 
   void write_static_step(double temperature, const char* increments) {

@@ -59,6 +59,10 @@ MoordynInput moordyn_input(const Scene& given, const Equilibrium& equilibrium) {
     if (cable.EI[0] != cable.EI[1]) {
       out.notes.push_back("member \"" + cable.name + "\": one EI, the mean of both");
     }
+    if (cable.GJ > 0 || cable.damping.bending > 0 || cable.damping.torsion > 0) {
+      out.notes.push_back("member \"" + cable.name +
+                          "\": torsion and the dampers of bending and torsion are left out");
+    }
     const int segments = cable.segments > 0 ? cable.segments : kUsualSegments;
     // Half of 2 / omega of the highest axial mode, omega = 2 n / L sqrt(EA / m).
     step_s = std::min(step_s, length / segments * std::sqrt(cable.mass_per_length / cable.EA) / 2);
@@ -69,6 +73,7 @@ MoordynInput moordyn_input(const Scene& given, const Equilibrium& equilibrium) {
     lines += fmt::format("{:<4} {:<8} {} {} {:.12g} {} pt\n", m + 1, type,
                          number_of(cable.nodes[0]), number_of(cable.nodes[1]), length, segments);
   }
+  if (!scene.loads.empty()) out.notes.push_back("loads are left out: MoorDyn's lines hang at rest");
   out.text = fmt::format(
       "---------------------- LINE TYPES ----------------------\n"
       "TypeName Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx\n"

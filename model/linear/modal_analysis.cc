@@ -143,8 +143,14 @@ double torsion_cost(const Scene& scene, const ModesOptions& options,
   const ChainModes full = find_modes(scene, with, segments);
   const ChainModes without = find_modes(scene, options, segments);
   double cost = 0;
-  for (std::size_t i = 0; i < std::min(full.order.size(), without.order.size()); ++i) {
-    cost = std::max(cost, std::abs(full.frequency_hz(i) / without.frequency_hz(i) - 1));
+  for (std::size_t i = 0; i < without.order.size() && !full.order.empty(); ++i) {
+    const double hz = without.frequency_hz(i);
+    if (hz > full.frequency_hz(full.order.size() - 1)) break;
+    double nearest = HUGE_VAL;  // modes of torsion lie between the others
+    for (std::size_t k = 0; k < full.order.size(); ++k) {
+      nearest = std::min(nearest, std::abs(full.frequency_hz(k) / hz - 1));
+    }
+    cost = std::max(cost, nearest);
   }
   return cost;
 }
