@@ -5,11 +5,9 @@
 namespace rigfit::model {
 namespace {
 
-constexpr int kMostSegments = 10000;
-
 int segments_of(TomlTable& table) {
   if (!table.is_string("segments")) {
-    return table.has("segments") ? table.integer_or("segments", 2, kMostSegments, 0) : 0;
+    return table.has("segments") ? table.integer_or("segments", 2, 10000, 0) : 0;
   }
   static_cast<void>(table.choice_or("segments", {"auto"}, "auto"));
   return 0;
