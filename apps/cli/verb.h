@@ -18,7 +18,7 @@ struct Verb {
   std::function<Json(VerbContext&)> run;
   bool draws = false;          ///< takes --plot: adds figures to VerbContext::plots
   bool reads = false;          ///< its files are recordings: takes the options of reading
-  Json (*schema)() = nullptr;  ///< of its result
+  Json (*schema)() = nullptr;  ///< its result's
 };
 
 using Verbs = std::vector<Verb>;

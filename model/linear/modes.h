@@ -39,7 +39,7 @@ struct ChainModes {
 
 /// Modes, and the error that the number of segments leaves in them.
 struct ResolvedModes {
-  ChainModes modes;                  ///< of the finest chain used
+  ChainModes modes;                  ///< the finest chain has
   std::vector<double> frequency_hz;  ///< by ChainModes::order
   std::vector<double> limit_hz;      ///< NaturalMode::extrapolated_hz, likewise
   double relative_error = 0;         ///< estimated, of `frequency_hz`, largest of all

@@ -124,7 +124,7 @@ struct Dampers {
   // velocities and the elongations' rates with one after the other. In single precision, which
   // rounds what is lost and halves what is read from memory.
   std::vector<Eigen::MatrixXf> factors;
-  std::vector<int> entries;  // of each unknown: one
+  std::vector<int> entries;  // one for each unknown
 };
 // `number`: by entry its unknown's, counted from 1; 0: held. What no entry has turns a node,
 // without mass: its momentum is zero, whichever entry is read for it.

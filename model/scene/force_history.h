@@ -15,7 +15,7 @@ struct ForceHistory {
 /// The force of a load of a scene as a function of time; a release has none after t = 0.
 struct LoadForce {
   Load load;
-  const ForceHistory* record = nullptr;  ///< of a load of kind `record`, not empty; else not used
+  const ForceHistory* record = nullptr;  ///< what a load of kind `record` follows, not empty
 
   /// Force along the load's direction, N.
   [[nodiscard]] double at(double time_s) const;

@@ -274,7 +274,7 @@ class Judgement {
   // In coloured noise, and noise that is larger while a mode moves (residual_noise.h).
   ResidualNoise noise_;
   FitUncertainty uncertainty_;
-  LineSpectrum left_;             // of the residual
+  LineSpectrum left_;             // the residual has
   std::vector<DecayMode> modes_;  // order of the fit, an offset among them
   // Time constants in the window, and their standard uncertainty, by mode.
   std::vector<double> fall_, fall_std_;

@@ -19,7 +19,7 @@ constexpr double kLawGain = 25;
 /// Coefficients of a weighted polynomial, and their standard uncertainties.
 struct Polynomial {
   VectorXd coefficients, std;
-  double widening = 1;  // of std, by the misfit: from below 1 up, or NaN where there is no freedom
+  double widening = 1;  // the std by the misfit: from below 1 up, or NaN where there is no freedom
 };
 
 Polynomial polynomial(const double* x, const double* weight, const double* y, std::size_t count,

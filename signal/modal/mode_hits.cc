@@ -29,7 +29,7 @@ struct HitsOnInput {
 /// What the hits say of one mode.
 struct ModeOfHits {
   double fits = 0, shown = 0;     ///< hits, and those that show it within its half bandwidth
-  Eigen::Array2d variance{0, 0};  ///< of the average's frequency and damping ratio
+  Eigen::Array2d variance{0, 0};  ///< the average's frequency has, its damping ratio
   double squares = 0;             ///< for Satterthwaite's degrees of freedom
   LocalMode own;                  ///< the hits' own poles and their mean
 
@@ -193,7 +193,7 @@ void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes&
                     const ModalOptions& options, ModalModel& model) {
   if (frfs.by_hit.size() < 2 || frfs.by_hit.front().rows() <= band.rows.back()) return;
   VectorXcd poles(std::ssize(model.modes));
-  std::vector<Index> order(model.modes.size());  // of the fit's poles
+  std::vector<Index> order(model.modes.size());  // places of the modes' poles in the fit
   for (std::size_t r = 0; r < order.size(); ++r) {
     const Complex pole = poles[static_cast<Index>(r)] = model.modes[r].pole_rad_s;
     (found.fit.poles.array() - pole).abs().minCoeff(&order[r]);

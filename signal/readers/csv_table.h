@@ -82,7 +82,7 @@ struct CsvTable {
   std::string file;  ///< for messages
   CsvLayout layout;
   std::vector<Channel> channels;
-  std::vector<CsvColumn> columns;  ///< of each channel
+  std::vector<CsvColumn> columns;  ///< each channel's
   std::vector<Note> notes;
 
   /// Adds a column's numbers as a channel, with a name of its own and in SI, and notes what is

@@ -10,7 +10,7 @@ namespace {
 
 /// The fit at one set of poles.
 struct Stage : PoleStage {
-  MatrixXd coefficients;  ///< of the basis, a column an FRF
+  MatrixXd coefficients;  ///< the basis has, a column an FRF
   MatrixXcd residues;     ///< the modes' part of them
 };
 

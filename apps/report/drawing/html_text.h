@@ -10,7 +10,7 @@ namespace rigfit::apps {
 /// characters as blanks.
 [[nodiscard]] std::string escaped(std::string_view text);
 
-/// Of a UTF-8 text.
+/// How many characters a UTF-8 text has.
 [[nodiscard]] double characters(std::string_view text);
 
 /// A number with so many significant digits, thin-spaced thousands left out; "–" when not finite.

@@ -203,7 +203,7 @@ ModeAssignment assign_modes(const std::vector<PairingMode>& measured,
     tests[measured[i].plane].push_back(static_cast<int>(i));
   }
   for (const auto& [plane, test] : tests) {
-    std::vector<double> ends;  // of the band
+    std::vector<double> ends;  // the band has
     for (const int i : test) ends.push_back(measured[static_cast<std::size_t>(i)].frequency_hz);
     if (!options.ends_at_pairs) ends = {std::ranges::max(ends)};
     std::optional<ModeAssignment> best;

@@ -103,7 +103,7 @@ void UpdateProblem::add_forces() {
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     const auto& state = state_at(s);
     for (std::size_t l = 0; takes_part(s) && l < state.scene.loads.size(); ++l) {
-      std::vector<double> relative;  // of real or imaginary part
+      std::vector<double> relative;  // in the real or imaginary part
       double highest = 0;
       for (const auto& frf : state.frfs) {
         if (frf.load != l || frf.std.size() == 0) continue;

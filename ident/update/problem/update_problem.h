@@ -176,7 +176,7 @@ class UpdateProblem {
   /// without any or without a model.
   [[nodiscard]] double rms_log_frf_error(const VectorXd& q) const;
   [[nodiscard]] Index frf_lines() const;
-  /// Of so many residuals: less the unknowns, and those of FRF lines that share their noise with
+  /// So many residuals less the unknowns, and those of FRF lines that share their noise with
   /// others and say nothing of their own.
   [[nodiscard]] double degrees_of_freedom(Index residuals) const;
   [[nodiscard]] Index prior_count() const { return priors_; }

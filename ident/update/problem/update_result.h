@@ -46,7 +46,7 @@ struct UpdatedParameter {
   bool identifiable = false;
   double std_from_data = 0;  ///< without priors; NaN if the data do not determine it
   bool at_bound = false;
-  double segment_shift = 0;  ///< of the value by the segments that the scene gives; 0: not known
+  double segment_shift = 0;  ///< what the scene's segments move the value by; 0: not known
   std::vector<UpdateBudgetTerm> budget = {};  ///< empty when not identifiable
 
   /// Shares of its variance by source.
