@@ -257,6 +257,7 @@ TEST(Refusals, OfWhatTheModelIsAskedFor) {
        {"predict @bare.toml --from @other.json", 3, "parameters"},
        {"predict @bare.toml --from @fit.json --input cable.EA", 2, "--input"},
        {"predict @bare.toml --from @fit.json --input cable.EA=0", 2, "--input"},
+       {"predict @bare.toml --from @fit.json --input cable.EA=1 cable.EA=2", 2, "given twice"},
        {"predict $/jalali2021/scenes/beam.toml --from @fit.json", 4, "beam.EI_z"},
        {"plan @scene.toml --goal cable.EI", 2, "--goal"},
        {"plan @scene.toml --goal cable.EI=-5%", 2, "--goal"},
