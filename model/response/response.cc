@@ -185,12 +185,12 @@ class Simulation {
     problem_.joint_damping = has_joint_dampers(scene_);
     problem_.damped_modes = damped_modes(answer_, *assembly_);
     const VectorXd weight = load_rows(*assembly_) * hung_weights(scene_);
-    LoadedState loaded = loaded_state(*assembly_, rest, weight);
-    if (!loaded.converged) {
+    std::optional<ChainState> loaded = loaded_state(*assembly_, rest, weight);
+    if (!loaded) {
       out_.reason = "no equilibrium was found with the hung mass on";
       return false;
     }
-    problem_.start = std::move(loaded.state);
+    problem_.start = std::move(*loaded);
     const std::string why = not_explicit(problem_);
     if (out_.solver == ResponseSolver::automatic) {
       out_.solver = why.empty() ? ResponseSolver::explicit_motion : ResponseSolver::stiff_motion;

@@ -1,6 +1,6 @@
-#include "model/statics/equilibrium_check.h"
-
 #include <fmt/format.h>
+
+#include "model/statics/equilibrium.h"
 
 namespace rigfit::model {
 namespace {
@@ -45,12 +45,10 @@ const char* how_to_tighten(const Member& cable) {
   return "give it a larger tension";
 }
 
-std::vector<RestMotion> judge_rest(const Chain& chain, const Scene& scene,
-                                   ChainEquilibrium& result) {
+void judge_rest(const Chain& chain, const Scene& scene, ChainEquilibrium& result) {
   const auto refuse = [&](EquilibriumStatus status, std::string reason) {
     result.status = status;
     result.reason = std::move(reason);
-    return std::vector<RestMotion>{};
   };
   const VectorXd axial = axial_forces(chain, result.state);
   for (std::size_t m = 0; m < chain.members.size(); ++m) {
@@ -111,7 +109,7 @@ std::vector<RestMotion> judge_rest(const Chain& chain, const Scene& scene,
     found.push_back({motion, std::move(assembly), std::move(tangent)});
   }
   result.status = EquilibriumStatus::converged;
-  return found;
+  result.motions = std::move(found);
 }
 
 }  // namespace rigfit::model
