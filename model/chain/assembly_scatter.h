@@ -52,8 +52,8 @@ inline RotationDerivatives joint_derivatives(const Matrix3d& a, const Matrix3d& 
 }
 
 /// Columns de (3), as t x de / |e| = [t] de / |e|, and twist of d psi.
-inline Eigen::Matrix<double, 3, 4> segment_rotation(const Vector3d& t, double length) {
-  const Vector3d f = t / length;
+inline Eigen::Matrix<double, 3, 4> segment_rotation(const Directed& segment) {
+  const Vector3d t = segment.directors.col(0), f = t / segment.length;
   Eigen::Matrix<double, 3, 4> j;
   j << 0, -f.z(), f.y(), t.x(), f.z(), 0, -f.x(), t.y(), -f.y(), f.x(), 0, t.z();
   return j;
@@ -61,8 +61,9 @@ inline Eigen::Matrix<double, 3, 4> segment_rotation(const Vector3d& t, double le
 
 /// Adds what the second-order part of psi gives to the Hessian in (de, twist), for a moment
 /// `gradient` = dW/dpsi.
-inline void add_second_order(const Vector3d& gradient, const Vector3d& t, double length,
-                             Eigen::Matrix4d& hessian) {
+inline void add_second_order(const Vector3d& gradient, const Directed& segment, Matrix4& hessian) {
+  const Vector3d t = segment.directors.col(0);
+  const double length = segment.length;
   const Vector3d c = gradient.cross(t) / (length * length);
   hessian.topLeftCorner<3, 3>() -= c * t.transpose() + t * c.transpose();
   const Vector3d half = (gradient - t * t.dot(gradient)) / (2 * length);
@@ -273,12 +274,10 @@ void member_joints(const Chain& chain, const ChainState& state, const ChainMembe
     scatter.segment_force(joint.segment[0], a, -d.gradient_b);
     scatter.segment_force(joint.segment[1], b, d.gradient_b);
     if constexpr (Sink::tangent) {
-      const Vector3d ta = a.directors.col(0), tb = b.directors.col(0);
-      const Eigen::Matrix<double, 3, 4> ja = segment_rotation(ta, a.length);
-      const Eigen::Matrix<double, 3, 4> jb = segment_rotation(tb, b.length);
+      const Eigen::Matrix<double, 3, 4> ja = segment_rotation(a), jb = segment_rotation(b);
       Matrix4 aa = ja.transpose() * d.same * ja, bb = jb.transpose() * d.same * jb;
-      add_second_order(-d.gradient_b, ta, a.length, aa);
-      add_second_order(d.gradient_b, tb, b.length, bb);
+      add_second_order(-d.gradient_b, a, aa);
+      add_second_order(d.gradient_b, b, bb);
       scatter.two_segments(joint, aa, ja.transpose() * d.cross * jb, bb);
     }
   }
@@ -294,10 +293,9 @@ void member_joints(const Chain& chain, const ChainState& state, const ChainMembe
     scatter.segment_force(joint.segment, b, d.gradient_b);
     scatter.rotation_force(joint.rotation, -d.gradient_b);
     if constexpr (Sink::tangent) {
-      const Vector3d t = b.directors.col(0);
-      const Eigen::Matrix<double, 3, 4> j = segment_rotation(t, b.length);
+      const Eigen::Matrix<double, 3, 4> j = segment_rotation(b);
       Matrix4 ss = j.transpose() * d.same * j;
-      add_second_order(d.gradient_b, t, b.length, ss);
+      add_second_order(d.gradient_b, b, ss);
       scatter.node_segment(joint.rotation, joint.segment, d.same, d.cross * j, ss);
     }
   }
