@@ -20,7 +20,7 @@ void supports(const Chain& chain, const Numbering& numbering, const ChainState& 
       scatter.nodes(support.node, support.node, support.translational.asDiagonal());
     }
     if (support.rotation < 0 || !(support.rotational.maxCoeff() > 0)) continue;
-    const auto r = static_cast<std::size_t>(support.rotation);
+    const auto r = at(support.rotation);
     const Vector3d w =
         director_weights(support.rotational[1], support.rotational[2], support.rotational[0]);
     const Matrix3d ground = Matrix3d::Identity();
@@ -40,7 +40,7 @@ void evaluate(const Chain& chain, const Numbering& numbering, const ChainState& 
     sink.member(static_cast<int>(m));
     for (int i = 0; i < member.segments; ++i) {
       const int index = member.first_segment + i;
-      const Segment& s = chain.segments[static_cast<std::size_t>(index)];
+      const Segment& s = chain.segments[at(index)];
       const Directed here = directed(chain, state, index);
       const Vector3d t = here.directors.col(0);
       const double stiffness = s.EA / s.length, stretch = here.length - s.length;
@@ -223,7 +223,7 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> Assembly::elongations(const ChainSt
   Eigen::SparseMatrix<double, Eigen::RowMajor> result(segments, size());
   result.reserve(VectorXi::Constant(segments, 6));
   for (Index k = 0; k < segments; ++k) {
-    const Segment& s = chain_->segments[static_cast<std::size_t>(k)];
+    const Segment& s = chain_->segments[at(k)];
     const Vector3d t = (state.position.col(s.b) - state.position.col(s.a)).normalized();
     for (int axis = 0; axis < 3; ++axis) {
       const int a = numbering_.displacement(axis, s.a), b = numbering_.displacement(axis, s.b);

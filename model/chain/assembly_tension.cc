@@ -10,13 +10,13 @@ void Assembly::length_derivative(const ChainState& state, int index,
                                  Ref<VectorXd> derivative) const {
   derivative.setZero();
   // Axial force EA (|e| / l - 1): -EA |e| / l^2 by l = L / n; joints go with 1 / L, gravity with L.
-  const ChainMember& member = chain_->members[static_cast<std::size_t>(index)];
+  const ChainMember& member = chain_->members[at(index)];
   const double by_length = 1 / member.unstretched_length;
   ForceSink sink{{}, derivative.data()};
   Scatter<ForceSink> scatter(*chain_, numbering_, sink);
   for (int i = 0; i < member.segments; ++i) {
     const int k = member.first_segment + i;
-    const Segment& s = chain_->segments[static_cast<std::size_t>(k)];
+    const Segment& s = chain_->segments[at(k)];
     const Directed here = directed(*chain_, state, k);
     const Vector3d t = here.directors.col(0);
     scatter.edge_force(s, -s.EA * here.length / s.length * by_length * t);
@@ -35,11 +35,11 @@ double Assembly::tension(const ChainState& state, int member) const {
 
 double Assembly::tension_gradient(const ChainState& state, int index, Ref<VectorXd> gradient,
                                   double& by_length) const {
-  const ChainMember& member = chain_->members[static_cast<std::size_t>(index)];
+  const ChainMember& member = chain_->members[at(index)];
   const Vector3d h = member.tension_direction;
   const int middle = member.segment_at(0.5);
   const int k = member.first_segment + middle;
-  const Segment& s = chain_->segments[static_cast<std::size_t>(k)];
+  const Segment& s = chain_->segments[at(k)];
   const Directed here = directed(*chain_, state, k);
   const Vector3d t = here.directors.col(0);
   const double force = s.EA * (here.length / s.length - 1);
@@ -58,8 +58,7 @@ double Assembly::tension_gradient(const ChainState& state, int index, Ref<Vector
   for (int side = 0; side < 2; ++side) {
     const int joint_index = middle - 1 + side;  // inner joint before, after
     if (joint_index < 0 || joint_index + 1 >= member.segments) continue;
-    const InnerJoint& joint =
-        chain_->inner_joints[static_cast<std::size_t>(member.first_joint + joint_index)];
+    const InnerJoint& joint = chain_->inner_joints[at(member.first_joint + joint_index)];
     const int other = side == 0 ? k - 1 : k + 1;
     const Directed there = directed(*chain_, state, other);
     const RotationDerivatives d = joint_derivatives(
@@ -76,8 +75,7 @@ double Assembly::tension_gradient(const ChainState& state, int index, Ref<Vector
     const Matrix4 ab = ja.transpose() * d.cross * jb;
     own += bb.topLeftCorner<3, 3>() * h;
     scatter.single_force(numbering_.twist[k], bb.bottomLeftCorner<1, 3>().dot(h.transpose()));
-    scatter.edge_force(chain_->segments[static_cast<std::size_t>(other)],
-                       ab.topLeftCorner<3, 3>() * h);
+    scatter.edge_force(chain_->segments[at(other)], ab.topLeftCorner<3, 3>() * h);
     scatter.single_force(numbering_.twist[other], ab.bottomLeftCorner<1, 3>().dot(h.transpose()));
   }
   if (wanted) scatter.edge_force(s, own);

@@ -154,32 +154,32 @@ Vector3d permuted(const Matrix3d& axes, const Vector3d& numbers) {
 /// Each node's neighbours are near it in the order of a breadth-first walk from a node at the rig's
 /// edge (E. Cuthill and J. McKee, Proc. 24th ACM Nat. Conf., 1969).
 std::vector<int> walk(const Chain& chain) {
-  const auto n = static_cast<std::size_t>(chain.nodes);
+  const auto n = at(chain.nodes);
   std::vector<std::vector<int>> neighbours(n);
   for (const Segment& s : chain.segments) {
-    neighbours[static_cast<std::size_t>(s.a)].push_back(s.b);
-    neighbours[static_cast<std::size_t>(s.b)].push_back(s.a);
+    neighbours[at(s.a)].push_back(s.b);
+    neighbours[at(s.b)].push_back(s.a);
   }
   std::vector<int> all, order;
   std::vector<bool> met(n, false);
   const auto breadth_first = [&](int start) {
     order.assign(1, start);
-    met[static_cast<std::size_t>(start)] = true;
+    met[at(start)] = true;
     for (std::size_t head = 0; head < order.size(); ++head) {
-      for (const int next : neighbours[static_cast<std::size_t>(order[head])]) {
-        if (met[static_cast<std::size_t>(next)]) continue;
-        met[static_cast<std::size_t>(next)] = true;
+      for (const int next : neighbours[at(order[head])]) {
+        if (met[at(next)]) continue;
+        met[at(next)] = true;
         order.push_back(next);
       }
     }
   };
   for (int start = 0; start < chain.nodes; ++start) {
-    if (met[static_cast<std::size_t>(start)]) continue;
+    if (met[at(start)]) continue;
     int edge = start;
     for (int sweep = 0; sweep < 2; ++sweep) {  // the farthest node of the farthest
       breadth_first(edge);
       edge = order.back();
-      for (const int node : order) met[static_cast<std::size_t>(node)] = false;
+      for (const int node : order) met[at(node)] = false;
     }
     breadth_first(edge);
     all.insert(all.end(), order.begin(), order.end());
@@ -225,7 +225,7 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
 
   std::vector<int> rotation_of(scene.nodes.size(), -1);
   for (int k = 0; k < scene_nodes; ++k) {
-    const auto index = static_cast<std::size_t>(k);
+    const auto index = at(k);
     const SceneNode& node = scene.nodes[index];
     chain.drawn.col(k) = chain.axes * node.position;
     if (node.support.kind == Support::Kind::clamped || node.support.kind == Support::Kind::pinned) {
@@ -302,18 +302,18 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     std::array<bool, 2> bent{false, false};  // ends that bear a moment
     for (std::size_t e = 0; e < 2; ++e) {
       bent[e] = member.joint[e] == Member::Joint::rigid &&
-                reduction.attitude[static_cast<std::size_t>(ends[m][e])] != NodeAttitude::released;
+                reduction.attitude[at(ends[m][e])] != NodeAttitude::released;
     }
     const std::vector<double> flexibility =
         joint_flexibilities(sections, tension, options.rotary_inertia, bent);
     out.nodes.push_back(ends[m][0]);
     for (int i = 1; i < n; ++i) {
-      chain.drawn.col(next_node) = from + chord * places[static_cast<std::size_t>(i)];
+      chain.drawn.col(next_node) = from + chord * places[at(i)];
       out.nodes.push_back(next_node++);
     }
     out.nodes.push_back(ends[m][1]);
     for (int i = 0; i < n; ++i) {
-      const auto k = static_cast<std::size_t>(i);
+      const auto k = at(i);
       Segment segment;
       segment.a = out.nodes[k];
       segment.b = out.nodes[k + 1];
@@ -337,14 +337,14 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     if (framed) chain.drawn_director.rightCols(n).colwise() = axes.col(1);
 
     for (int end = 0; end < 2; ++end) {
-      const auto e = static_cast<std::size_t>(end);
+      const auto e = at(end);
       if (member.joint[e] == Member::Joint::pinned) continue;
-      const auto node = static_cast<std::size_t>(ends[m][e]);
+      const auto node = at(ends[m][e]);
       EndJoint joint;
       joint.segment = end == 0 ? out.first_segment : out.first_segment + n - 1;
       // The paper's joint is in the middle of its half segment.
       const double place = options.rotary_inertia == RotaryInertia::rigid_rod ? 0.25 / n : 0;
-      const std::size_t joint_index = end == 0 ? 0 : std::size_t(n);
+      const std::size_t joint_index = end == 0 ? 0 : at(n);
       joint.springs =
           sections.springs(joint_index, end == 0 ? place : 1 - place, flexibility[joint_index], 0.5,
                            framed, axial.at(end) * (accurate ? kClampedAxial : 1));
@@ -373,8 +373,7 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
   for (const EndJoint& joint : chain.end_joints) {
     if (joint.rotation < 0) continue;
     const Vector3d k(joint.springs.torsion, joint.springs.about_1, joint.springs.about_2);
-    stiffness[static_cast<std::size_t>(joint.rotation)] +=
-        joint.directors * k.asDiagonal() * joint.directors.transpose();
+    stiffness[at(joint.rotation)] += joint.directors * k.asDiagonal() * joint.directors.transpose();
   }
   for (const NodeSupport& support : chain.supports) {
     if (support.rotation >= 0) stiffness[at(support.rotation)].diagonal() += support.rotational;
@@ -403,7 +402,7 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
   const auto locate = [&](const Place& place) {
     if (!place.member.empty()) {
       const int member = index_named(scene, scene.members, place.member);
-      return point_on(chain.members[static_cast<std::size_t>(member)], place.position);
+      return point_on(chain.members[at(member)], place.position);
     }
     const int node = index_named(scene, scene.nodes, place.node);
     const auto ends_there = [&](const Segment& s) { return s.a == node || s.b == node; };
@@ -428,7 +427,7 @@ int ChainMember::segment_at(double s) const {
 }
 
 void Chain::set_unstretched_length(int index, double length) {
-  ChainMember& member = members[static_cast<std::size_t>(index)];
+  ChainMember& member = members[at(index)];
   const double ratio = length / member.unstretched_length;
   if (ratio == 1) return;
   member.unstretched_length = length;
@@ -450,7 +449,7 @@ void Chain::set_unstretched_length(int index, double length) {
     rescale(inner_joints[at(member.first_joint + i)].springs);
   }
   for (const int joint : member.end_joint) {
-    if (joint >= 0) rescale(end_joints[static_cast<std::size_t>(joint)].springs);
+    if (joint >= 0) rescale(end_joints[at(joint)].springs);
   }
 }
 

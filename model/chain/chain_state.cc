@@ -17,7 +17,7 @@ void settle(Chain& chain, const ChainState& state) {
     if (!joint.stress_free_at_equilibrium) continue;
     joint.directors = directed(chain, state, joint.segment).directors;
     if (joint.rotation >= 0) {
-      const Matrix3d& turn = state.rotation[static_cast<std::size_t>(joint.rotation)];
+      const Matrix3d& turn = state.rotation[at(joint.rotation)];
       joint.directors = (turn.transpose() * joint.directors).eval();
     }
   }
@@ -25,7 +25,7 @@ void settle(Chain& chain, const ChainState& state) {
 }
 
 Directed directed(const Chain& chain, const ChainState& state, int segment) {
-  const Segment& s = chain.segments[static_cast<std::size_t>(segment)];
+  const Segment& s = chain.segments[at(segment)];
   const Vector3d e = state.position.col(s.b) - state.position.col(s.a);
   Directed out;
   out.length = e.norm();

@@ -21,12 +21,12 @@ void scale_bending(Chain& chain, const Chain& whole, double part) {
       out.about_2 = in.about_2 * factor;
     };
     for (int i = 0; i + 1 < member.segments; ++i) {
-      const auto k = static_cast<std::size_t>(member.first_joint + i);
+      const auto k = at(member.first_joint + i);
       set(chain.inner_joints[k].springs, whole.inner_joints[k].springs);
     }
     for (const int e : member.end_joint) {
       if (e < 0) continue;
-      const auto k = static_cast<std::size_t>(e);
+      const auto k = at(e);
       set(chain.end_joints[k].springs, whole.end_joints[k].springs);
     }
   }
@@ -106,7 +106,7 @@ class Solver {
         const int target = targets_[std::size_t(i)];
         const double value =
             assembly_.tension_gradient(state, target, gradient_.col(i), diagonal_[i]);
-        mismatch_[i] = *chain_.members[std::size_t(target)].target_tension - value;
+        mismatch_[i] = *chain_.members[at(target)].target_tension - value;
         unbalanced_ = std::max(unbalanced_, std::abs(mismatch_[i]));
       }
       residual = scale_ > 0 ? unbalanced_ / scale_ : unbalanced_;
@@ -181,7 +181,7 @@ class Solver {
       stiffest = std::max(stiffest, s.EA / s.length);
     }
     for (const InnerJoint& joint : chain_.inner_joints) {
-      const double l = chain_.segments[std::size_t(joint.segment[0])].length;
+      const double l = chain_.segments[at(joint.segment[0])].length;
       const double k = std::max(joint.springs.about_1, joint.springs.about_2) / (l * l);
       stiffest = std::max(stiffest, 4 * k);
     }
@@ -224,10 +224,10 @@ class Solver {
     }
     for (Index i = 0; i < lengths_.size(); ++i) {
       const int m = targets_[std::size_t(i)];
-      const ChainMember& member = chain_.members[std::size_t(m)];
+      const ChainMember& member = chain_.members[at(m)];
       for (int j = 0; j < member.segments; ++j) {
         const int k = member.first_segment + j;
-        const Segment& s = chain_.segments[std::size_t(k)];
+        const Segment& s = chain_.segments[at(k)];
         const double length = (state.position.col(s.b) - state.position.col(s.a)).norm();
         axial_[k] -= factor * s.EA * length / s.length * lengths_[i] / member.unstretched_length;
       }
@@ -240,7 +240,7 @@ class Solver {
     for (Index i = 0; i < lengths_.size(); ++i) {
       const int m = targets_[std::size_t(i)];
       chain_.set_unstretched_length(
-          m, chain_.members[std::size_t(m)].unstretched_length + factor * lengths_[i]);
+          m, chain_.members[at(m)].unstretched_length + factor * lengths_[i]);
     }
   }
 

@@ -11,7 +11,7 @@ std::string name_at(const Chain& chain, const Numbering& numbering, int row, con
     const bool here = numbering.twist[k] == row ||
                       (numbering.displacement.col(s.a).array() == row).any() ||
                       (numbering.displacement.col(s.b).array() == row).any();
-    if (here) return scene.members[static_cast<std::size_t>(s.member)].name;
+    if (here) return scene.members[at(s.member)].name;
   }
   for (Index r = 0; r < numbering.rotation.cols(); ++r) {
     if ((numbering.rotation.col(r).array() == row).any()) {
@@ -34,7 +34,7 @@ const Member* free_to_twist(const Scene& scene) {
 double mean_force(const Chain& chain, const ChainMember& member, const VectorXd& axial) {
   double mean = 0;
   for (int k = member.first_segment; k < member.first_segment + member.segments; ++k) {
-    mean += axial[k] * chain.segments[std::size_t(k)].length / member.unstretched_length;
+    mean += axial[k] * chain.segments[at(k)].length / member.unstretched_length;
   }
   return mean;
 }

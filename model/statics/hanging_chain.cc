@@ -106,8 +106,8 @@ bool catenary(const Problem& p, double h, double& v0, double& length) {
 /// A cable between its drawn ends, for its target tension (and `extra` N more, which stands for
 /// what bending carries) or its unstretched length. The reason why it is slack; empty: it hangs.
 std::string hang(Chain& chain, int index, double extra, ChainState& state) {
-  const ChainMember& member = chain.members[static_cast<std::size_t>(index)];
-  const auto n = static_cast<std::size_t>(member.segments);
+  const ChainMember& member = chain.members[at(index)];
+  const auto n = at(member.segments);
   const Vector3d from = chain.drawn.col(member.nodes.front());
   const Vector3d chord = chain.drawn.col(member.nodes.back()) - from;
   const double g = chain.gravity.norm();
