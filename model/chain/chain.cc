@@ -6,7 +6,6 @@
 #include "model/chain/segment_lumping.h"
 #include "model/scene/actual_state.h"
 #include "model/scene/model_reduction.h"
-#include "model/scene/scene_error.h"
 
 namespace rigfit::model {
 namespace {

@@ -9,7 +9,6 @@
 #include "model/motion/stiff_motion.h"
 #include "model/response/linear_answer.h"
 #include "model/response/response_modes.h"
-#include "model/scene/scene_error.h"
 #include "model/statics/equilibrium.h"
 
 namespace rigfit::model {

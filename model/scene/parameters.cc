@@ -4,7 +4,6 @@
 
 #include <tuple>
 
-#include "model/scene/scene_error.h"
 #include "model/scene/scene_numbers.h"
 
 namespace rigfit::model {
