@@ -39,13 +39,6 @@ std::vector<LoadForce> forces_of(const Scene& scene, const ResponseOptions& opti
   return forces;
 }
 
-// Nothing pushes the scene out of its plane.
-bool plane_is_enough(const Chain& chain) {
-  if (!chain.planar) return false;
-  return std::all_of(chain.load_direction.begin(), chain.load_direction.end(),
-                     [](const Vector3d& direction) { return std::abs(direction.z()) <= 1e-12; });
-}
-
 std::vector<DampedModes> damped_modes(const LinearAnswer& answer, const Assembly& assembly) {
   std::vector<DampedModes> out;
   const ChainModes& modes = answer.modes;
@@ -140,7 +133,10 @@ class Simulation {
 
   void choose() {
     const Chain& chain = *answer_.modes.chain;
-    plane_ = !options_.space && plane_is_enough(chain);
+    // The plane is enough where nothing pushes the scene out of it.
+    plane_ = chain.planar && !options_.space &&
+             std::ranges::all_of(chain.load_direction,
+                                 [](const Vector3d& d) { return std::abs(d.z()) <= 1e-12; });
     problem_.motion = plane_ ? Motion::in_plane : Motion::space;
     out_.motion = plane_ ? "plane" : "space";
     assembly_ = std::make_unique<Assembly>(chain, problem_.motion);
