@@ -3,7 +3,7 @@
 #include "apps/campaign_file/recordings.h"
 #include "apps/cli/exit_code.h"
 #include "apps/results/results_json.h"
-#include "model/scene/scene_error.h"
+#include "model/scene/scene.h"
 #include "signal/numerics/numbers.h"
 #include "signal/readers/csv_fields.h"
 #include "signal/recording/recording.h"

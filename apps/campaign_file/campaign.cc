@@ -9,7 +9,6 @@
 #include "document/toml_table.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
-#include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::apps {

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "apps/results/text_table.h"
-#include "model/scene/scene_error.h"
+#include "model/scene/scene.h"
 #include "signal/numerics/numbers.h"
 #include "signal/readers/read_recording.h"
 

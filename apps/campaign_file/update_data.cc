@@ -10,7 +10,6 @@
 #include "ident/campaign/modal/modal_model.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "model/scene/scene.h"
-#include "model/scene/scene_error.h"
 #include "model/scene/sensor_quantity.h"
 #include "signal/decay/decay.h"
 #include "signal/modal/modal_identification.h"

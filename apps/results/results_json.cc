@@ -3,7 +3,7 @@
 #include <fstream>
 
 #include "apps/describe/json_of.h"
-#include "model/scene/scene_error.h"
+#include "model/scene/scene.h"
 
 namespace rigfit::apps {
 

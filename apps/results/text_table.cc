@@ -1,7 +1,7 @@
 #include "apps/results/text_table.h"
 
 #include "document/toml_table.h"
-#include "model/scene/scene_error.h"
+#include "model/scene/scene.h"
 #include "signal/readers/csv_fields.h"
 #include "signal/readers/read_recording.h"
 

@@ -20,7 +20,7 @@ void supports(const Chain& chain, const Numbering& numbering, const ChainState& 
       scatter.nodes(support.node, support.node, support.translational.asDiagonal());
     }
     if (support.rotation < 0 || !(support.rotational.maxCoeff() > 0)) continue;
-    const auto r = static_cast<std::size_t>(support.rotation);
+    const auto r = at(support.rotation);
     const Vector3d w =
         director_weights(support.rotational[1], support.rotational[2], support.rotational[0]);
     const Matrix3d ground = Matrix3d::Identity();
@@ -40,7 +40,7 @@ void evaluate(const Chain& chain, const Numbering& numbering, const ChainState& 
     sink.member(static_cast<int>(m));
     for (int i = 0; i < member.segments; ++i) {
       const int index = member.first_segment + i;
-      const Segment& s = chain.segments[static_cast<std::size_t>(index)];
+      const Segment& s = chain.segments[at(index)];
       const Directed here = directed(chain, state, index);
       const Vector3d t = here.directors.col(0);
       const double stiffness = s.EA / s.length, stretch = here.length - s.length;
@@ -79,12 +79,10 @@ Assembly::Assembly(const Chain& chain, Motion motion)
 
 VectorXd Assembly::weight() const {
   VectorXd weight = VectorXd::Zero(size());
-  each_weight(*chain_, [&](int node, double mass) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const int row = numbering_.displacement(axis, node);
-      if (row >= 0) weight[row] += mass * chain_->gravity[axis];
-    }
-  });
+  ForceSink sink{{}, weight.data()};
+  Scatter<ForceSink> scatter(*chain_, numbering_, sink);
+  each_weight(*chain_,
+              [&](int node, double mass) { scatter.node_force(node, mass * chain_->gravity); });
   return weight;
 }
 
@@ -124,11 +122,10 @@ MatrixXd Assembly::stiffness_energy(const ChainState& state, const MatrixXd& q) 
 
 void Assembly::mass(EnvelopeMatrix& mass) const {
   mass.set_zero();
+  MatrixSink sink{{}, nullptr, &mass};
+  Scatter<MatrixSink> scatter(*chain_, numbering_, sink);
   const auto block = [&](int p, int q, double value) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const int row = numbering_.displacement(axis, p), col = numbering_.displacement(axis, q);
-      if (row >= 0 && col >= 0) mass.add(row, col, value);
-    }
+    scatter.nodes(p, q, value * Matrix3d::Identity());
   };
   for (std::size_t k = 0; k < chain_->segments.size(); ++k) {
     const Segment& s = chain_->segments[k];
@@ -169,17 +166,16 @@ void Assembly::damping(const ChainState& state, EnvelopeMatrix& damping) const {
     const Directed a = directed(*chain_, state, joint.segment[0]);
     const Directed b = directed(*chain_, state, joint.segment[1]);
     const Matrix3d d = dissipation(joint.springs, a.directors.col(0), b.directors.col(0));
-    const auto ja = segment_rotation(a.directors.col(0), a.length);
-    const auto jb = segment_rotation(b.directors.col(0), b.length);
+    const auto ja = segment_rotation(a), jb = segment_rotation(b);
     scatter.two_segments(joint, ja.transpose() * d * ja, -ja.transpose() * d * jb,
                          jb.transpose() * d * jb);
   }
   for (const EndJoint& joint : chain_->end_joints) {
     if (!(joint.springs.bending_damping + joint.springs.torsion_damping > 0)) continue;
     const Directed b = directed(*chain_, state, joint.segment);
-    const Vector3d t = b.directors.col(0);
-    const Matrix3d d = dissipation(joint.springs, node_side(joint, state).col(0), t);
-    const auto j = segment_rotation(t, b.length);
+    const Matrix3d d =
+        dissipation(joint.springs, node_side(joint, state).col(0), b.directors.col(0));
+    const auto j = segment_rotation(b);
     scatter.node_segment(joint.rotation, joint.segment, d, -d * j, j.transpose() * d * j);
   }
 }
@@ -210,11 +206,7 @@ void Assembly::advance(const ChainState& state, const VectorXd& increment, doubl
   }
   for (int node = 0; node < chain_->nodes; ++node) out.position.col(node) = moved(node);
   for (std::size_t r = 0; r < state.rotation.size(); ++r) {
-    Vector3d local = Vector3d::Zero();
-    for (int axis = 0; axis < 3; ++axis) {
-      const int i = numbering_.rotation(axis, static_cast<Index>(r));
-      if (i >= 0) local[axis] = factor * increment[i];
-    }
+    const Vector3d local = factor * numbering_.rotation_in(increment, static_cast<Index>(r));
     const Vector3d psi = chain_->rotation_basis[r] * local;
     const double angle = psi.norm();
     if (angle > 0) {
@@ -231,7 +223,7 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> Assembly::elongations(const ChainSt
   Eigen::SparseMatrix<double, Eigen::RowMajor> result(segments, size());
   result.reserve(VectorXi::Constant(segments, 6));
   for (Index k = 0; k < segments; ++k) {
-    const Segment& s = chain_->segments[static_cast<std::size_t>(k)];
+    const Segment& s = chain_->segments[at(k)];
     const Vector3d t = (state.position.col(s.b) - state.position.col(s.a)).normalized();
     for (int axis = 0; axis < 3; ++axis) {
       const int a = numbering_.displacement(axis, s.a), b = numbering_.displacement(axis, s.b);
@@ -244,12 +236,10 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> Assembly::elongations(const ChainSt
 
 VectorXd Assembly::row_of(const ChainPoint& point, const Vector3d& direction) const {
   VectorXd row = VectorXd::Zero(size());
-  for (int i = 0; i < point.count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    for (int axis = 0; axis < 3; ++axis) {
-      const int unknown = numbering_.displacement(axis, point.node[k]);
-      if (unknown >= 0) row[unknown] += point.weight[k] * direction[axis];
-    }
+  ForceSink sink{{}, row.data()};
+  Scatter<ForceSink> scatter(*chain_, numbering_, sink);
+  for (std::size_t k = 0; k < at(point.count); ++k) {
+    scatter.node_force(point.node[k], point.weight[k] * direction);
   }
   return row;
 }

@@ -52,8 +52,8 @@ inline RotationDerivatives joint_derivatives(const Matrix3d& a, const Matrix3d& 
 }
 
 /// Columns de (3), as t x de / |e| = [t] de / |e|, and twist of d psi.
-inline Eigen::Matrix<double, 3, 4> segment_rotation(const Vector3d& t, double length) {
-  const Vector3d f = t / length;
+inline Eigen::Matrix<double, 3, 4> segment_rotation(const Directed& segment) {
+  const Vector3d t = segment.directors.col(0), f = t / segment.length;
   Eigen::Matrix<double, 3, 4> j;
   j << 0, -f.z(), f.y(), t.x(), f.z(), 0, -f.x(), t.y(), -f.y(), f.x(), 0, t.z();
   return j;
@@ -61,8 +61,9 @@ inline Eigen::Matrix<double, 3, 4> segment_rotation(const Vector3d& t, double le
 
 /// Adds what the second-order part of psi gives to the Hessian in (de, twist), for a moment
 /// `gradient` = dW/dpsi.
-inline void add_second_order(const Vector3d& gradient, const Vector3d& t, double length,
-                             Eigen::Matrix4d& hessian) {
+inline void add_second_order(const Vector3d& gradient, const Directed& segment, Matrix4& hessian) {
+  const Vector3d t = segment.directors.col(0);
+  const double length = segment.length;
   const Vector3d c = gradient.cross(t) / (length * length);
   hessian.topLeftCorner<3, 3>() -= c * t.transpose() + t * c.transpose();
   const Vector3d half = (gradient - t * t.dot(gradient)) / (2 * length);
@@ -165,9 +166,9 @@ class Scatter {
     nodes(s.b, r.b, sr - rr);
   }
   /// From the moment on a segment: psi = t x de / |e| + theta t.
-  void segment_force(int segment, const Directed& at, const Vector3d& moment) {
-    const Vector3d t = at.directors.col(0);
-    edge_force(chain_.segments[static_cast<std::size_t>(segment)], moment.cross(t) / at.length);
+  void segment_force(int segment, const Directed& here, const Vector3d& moment) {
+    const Vector3d t = here.directors.col(0);
+    edge_force(chain_.segments[at(segment)], moment.cross(t) / here.length);
     single_force(numbering_.twist[segment], t.dot(moment));
   }
   void pair(int i, int j, double value) {
@@ -180,8 +181,8 @@ class Scatter {
   /// Two segments' (edge, twist) blocks.
   void two_segments(const InnerJoint& joint, const Matrix4& aa, const Matrix4& ab,
                     const Matrix4& bb) {
-    const Segment& s = chain_.segments[static_cast<std::size_t>(joint.segment[0])];
-    const Segment& r = chain_.segments[static_cast<std::size_t>(joint.segment[1])];
+    const Segment& s = chain_.segments[at(joint.segment[0])];
+    const Segment& r = chain_.segments[at(joint.segment[1])];
     two_edges(s, r, aa.topLeftCorner<3, 3>(), ab.topLeftCorner<3, 3>(), bb.topLeftCorner<3, 3>());
     const int ts = numbering_.twist[joint.segment[0]], tr = numbering_.twist[joint.segment[1]];
     if (ts < 0 && tr < 0) return;
@@ -201,7 +202,7 @@ class Scatter {
   /// A node's rotation (maybe fixed: -1) and a segment's (edge, twist).
   void node_segment(int rotation, int segment, const Matrix3d& nn,
                     const Eigen::Matrix<double, 3, 4>& ns, const Matrix4& ss) {
-    const Segment& s = chain_.segments[static_cast<std::size_t>(segment)];
+    const Segment& s = chain_.segments[at(segment)];
     const int twist = numbering_.twist[segment];
     edge(s, ss.topLeftCorner<3, 3>());
     const Vector3d edge_twist = ss.topRightCorner<3, 1>();
@@ -210,8 +211,7 @@ class Scatter {
     pair(twist, twist, ss(3, 3));
     if (rotation < 0) return;
     node_rotation(rotation, nn);
-    const Eigen::Matrix<double, 3, 4> mixed =
-        chain_.rotation_basis[static_cast<std::size_t>(rotation)].transpose() * ns;
+    const Eigen::Matrix<double, 3, 4> mixed = chain_.rotation_basis[at(rotation)].transpose() * ns;
     for (int i = 0; i < 3; ++i) {
       const int row = numbering_.rotation(i, rotation);
       if (row < 0) continue;
@@ -222,7 +222,7 @@ class Scatter {
     }
   }
   void node_rotation(int rotation, const Matrix3d& block) {
-    const Matrix3d& basis = chain_.rotation_basis[static_cast<std::size_t>(rotation)];
+    const Matrix3d& basis = chain_.rotation_basis[at(rotation)];
     const Matrix3d local = basis.transpose() * block * basis;
     const auto unknown = numbering_.rotation.col(rotation);
     for (int i = 0; i < 3; ++i) {
@@ -231,8 +231,7 @@ class Scatter {
   }
   void rotation_force(int rotation, const Vector3d& moment) {
     if (rotation < 0) return;
-    const Vector3d local =
-        chain_.rotation_basis[static_cast<std::size_t>(rotation)].transpose() * moment;
+    const Vector3d local = chain_.rotation_basis[at(rotation)].transpose() * moment;
     for (int i = 0; i < 3; ++i) single_force(numbering_.rotation(i, rotation), local[i]);
   }
 
@@ -251,7 +250,7 @@ inline JointSprings acting(const Chain& chain, const EndJoint& joint) {
 
 inline Matrix3d node_side(const EndJoint& joint, const ChainState& state) {
   if (joint.rotation < 0) return joint.directors;
-  return state.rotation[static_cast<std::size_t>(joint.rotation)] * joint.directors;
+  return state.rotation[at(joint.rotation)] * joint.directors;
 }
 
 /// A member's joints, those at its ends included, `factor` times as stiff as they are.
@@ -262,8 +261,7 @@ void member_joints(const Chain& chain, const ChainState& state, const ChainMembe
     return Vector3d(factor * director_weights(k.about_1, k.about_2, k.torsion));
   };
   for (int i = 1; i < member.segments; ++i) {
-    const InnerJoint& joint =
-        chain.inner_joints[static_cast<std::size_t>(member.first_joint + i - 1)];
+    const InnerJoint& joint = chain.inner_joints[at(member.first_joint + i - 1)];
     const Vector3d w = weights(joint.springs);
     if (w.isZero(0)) continue;
     const Directed a = directed(chain, state, joint.segment[0]);
@@ -273,18 +271,16 @@ void member_joints(const Chain& chain, const ChainState& state, const ChainMembe
     scatter.segment_force(joint.segment[0], a, -d.gradient_b);
     scatter.segment_force(joint.segment[1], b, d.gradient_b);
     if constexpr (Sink::tangent) {
-      const Vector3d ta = a.directors.col(0), tb = b.directors.col(0);
-      const Eigen::Matrix<double, 3, 4> ja = segment_rotation(ta, a.length);
-      const Eigen::Matrix<double, 3, 4> jb = segment_rotation(tb, b.length);
+      const Eigen::Matrix<double, 3, 4> ja = segment_rotation(a), jb = segment_rotation(b);
       Matrix4 aa = ja.transpose() * d.same * ja, bb = jb.transpose() * d.same * jb;
-      add_second_order(-d.gradient_b, ta, a.length, aa);
-      add_second_order(d.gradient_b, tb, b.length, bb);
+      add_second_order(-d.gradient_b, a, aa);
+      add_second_order(d.gradient_b, b, bb);
       scatter.two_segments(joint, aa, ja.transpose() * d.cross * jb, bb);
     }
   }
   for (const int index : member.end_joint) {
     if (index < 0) continue;
-    const EndJoint& joint = chain.end_joints[static_cast<std::size_t>(index)];
+    const EndJoint& joint = chain.end_joints[at(index)];
     const Vector3d w = weights(acting(chain, joint));
     if (w.isZero(0)) continue;
     const Matrix3d node = node_side(joint, state);
@@ -294,10 +290,9 @@ void member_joints(const Chain& chain, const ChainState& state, const ChainMembe
     scatter.segment_force(joint.segment, b, d.gradient_b);
     scatter.rotation_force(joint.rotation, -d.gradient_b);
     if constexpr (Sink::tangent) {
-      const Vector3d t = b.directors.col(0);
-      const Eigen::Matrix<double, 3, 4> j = segment_rotation(t, b.length);
+      const Eigen::Matrix<double, 3, 4> j = segment_rotation(b);
       Matrix4 ss = j.transpose() * d.same * j;
-      add_second_order(d.gradient_b, t, b.length, ss);
+      add_second_order(d.gradient_b, b, ss);
       scatter.node_segment(joint.rotation, joint.segment, d.same, d.cross * j, ss);
     }
   }

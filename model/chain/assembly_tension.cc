@@ -10,13 +10,13 @@ void Assembly::length_derivative(const ChainState& state, int index,
                                  Ref<VectorXd> derivative) const {
   derivative.setZero();
   // Axial force EA (|e| / l - 1): -EA |e| / l^2 by l = L / n; joints go with 1 / L, gravity with L.
-  const ChainMember& member = chain_->members[static_cast<std::size_t>(index)];
+  const ChainMember& member = chain_->members[at(index)];
   const double by_length = 1 / member.unstretched_length;
   ForceSink sink{{}, derivative.data()};
   Scatter<ForceSink> scatter(*chain_, numbering_, sink);
   for (int i = 0; i < member.segments; ++i) {
     const int k = member.first_segment + i;
-    const Segment& s = chain_->segments[static_cast<std::size_t>(k)];
+    const Segment& s = chain_->segments[at(k)];
     const Directed here = directed(*chain_, state, k);
     const Vector3d t = here.directors.col(0);
     scatter.edge_force(s, -s.EA * here.length / s.length * by_length * t);
@@ -35,19 +35,16 @@ double Assembly::tension(const ChainState& state, int member) const {
 
 double Assembly::tension_gradient(const ChainState& state, int index, Ref<VectorXd> gradient,
                                   double& by_length) const {
-  const ChainMember& member = chain_->members[static_cast<std::size_t>(index)];
+  const ChainMember& member = chain_->members[at(index)];
   const Vector3d h = member.tension_direction;
-  int middle = member.segments / 2;
-  while (middle > 0 && member.places[std::size_t(middle)] > 0.5) --middle;
-  while (member.places[std::size_t(middle) + 1] <= 0.5) ++middle;
+  const int middle = member.segment_at(0.5);
   const int k = member.first_segment + middle;
-  const Segment& s = chain_->segments[static_cast<std::size_t>(k)];
+  const Segment& s = chain_->segments[at(k)];
   const Directed here = directed(*chain_, state, k);
   const Vector3d t = here.directors.col(0);
   const double force = s.EA * (here.length / s.length - 1);
   // The weight between the segment's middle and the member's.
-  const double from = member.places[std::size_t(middle)],
-               to = member.places[std::size_t(middle) + 1];
+  const double from = member.places[at(middle)], to = member.places[at(middle + 1)];
   const double between = s.mass * ((from + to) / 2 - 0.5) / (to - from) * chain_->gravity.dot(h);
   double tension = force * t.dot(h) + between;
   by_length = (between - s.EA * here.length / s.length * t.dot(h)) / member.unstretched_length;
@@ -61,26 +58,24 @@ double Assembly::tension_gradient(const ChainState& state, int index, Ref<Vector
   for (int side = 0; side < 2; ++side) {
     const int joint_index = middle - 1 + side;  // inner joint before, after
     if (joint_index < 0 || joint_index + 1 >= member.segments) continue;
-    const InnerJoint& joint =
-        chain_->inner_joints[static_cast<std::size_t>(member.first_joint + joint_index)];
+    const InnerJoint& joint = chain_->inner_joints[at(member.first_joint + joint_index)];
     const int other = side == 0 ? k - 1 : k + 1;
     const Directed there = directed(*chain_, state, other);
     const RotationDerivatives d = joint_derivatives(
         there.directors, here.directors,
         director_weights(joint.springs.about_1, joint.springs.about_2, joint.springs.torsion));
-    const auto jb = segment_rotation(t, here.length);
-    const auto ja = segment_rotation(there.directors.col(0), there.length);
+    const auto jb = segment_rotation(here);
+    const auto ja = segment_rotation(there);
     const double shear = (jb.transpose() * d.gradient_b).head<3>().dot(h);
     tension += shear;
     by_length -= shear / member.unstretched_length;
     if (!wanted) continue;
     Matrix4 bb = jb.transpose() * d.same * jb;
-    add_second_order(d.gradient_b, t, here.length, bb);
+    add_second_order(d.gradient_b, here, bb);
     const Matrix4 ab = ja.transpose() * d.cross * jb;
     own += bb.topLeftCorner<3, 3>() * h;
     scatter.single_force(numbering_.twist[k], bb.bottomLeftCorner<1, 3>().dot(h.transpose()));
-    scatter.edge_force(chain_->segments[static_cast<std::size_t>(other)],
-                       ab.topLeftCorner<3, 3>() * h);
+    scatter.edge_force(chain_->segments[at(other)], ab.topLeftCorner<3, 3>() * h);
     scatter.single_force(numbering_.twist[other], ab.bottomLeftCorner<1, 3>().dot(h.transpose()));
   }
   if (wanted) scatter.edge_force(s, own);

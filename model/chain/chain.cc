@@ -6,7 +6,6 @@
 #include "model/chain/segment_lumping.h"
 #include "model/scene/actual_state.h"
 #include "model/scene/model_reduction.h"
-#include "model/scene/scene_error.h"
 
 namespace rigfit::model {
 namespace {
@@ -105,48 +104,27 @@ std::vector<double> joint_flexibilities(const Sections& sections, double tension
   return out;
 }
 
-/// Where the segments of `n` end: as asked, or evenly.
-std::vector<double> places_of(const std::vector<double>& asked, int n) {
-  if (!asked.empty()) return asked;
-  std::vector<double> places(static_cast<std::size_t>(n) + 1);
-  for (int i = 0; i <= n; ++i) places[static_cast<std::size_t>(i)] = double(i) / n;
-  return places;
-}
-
-/// The segment that a place lies in.
-std::size_t segment_at(const std::vector<double>& places, double s) {
-  const auto after = std::upper_bound(places.begin(), places.end(), s) - places.begin();
-  return static_cast<std::size_t>(
-      std::clamp<std::ptrdiff_t>(after - 1, 0, static_cast<std::ptrdiff_t>(places.size()) - 2));
-}
-
 ChainPoint point_on(const ChainMember& member, double position) {
   ChainPoint point;
-  const int n = member.segments;
   const std::vector<double>& places = member.places;
   const double s = std::clamp(position, 0.0, 1.0);
-  const std::size_t segment = segment_at(places, s);
-  point.segment = member.first_segment + static_cast<int>(segment);
-  const double length = places[segment + 1] - places[segment];
-  for (const std::size_t node : {segment, segment + 1}) {
-    if (std::abs(s - places[node]) >= 1e-9 * length) continue;
-    return {{member.nodes[node]}, {1}, 1, point.segment};
+  const int segment = member.segment_at(s);
+  point.segment = member.first_segment + segment;
+  const double length = places[at(segment + 1)] - places[at(segment)];
+  for (const int node : {segment, segment + 1}) {
+    if (std::abs(s - places[at(node)]) >= 1e-9 * length) continue;
+    return {{member.nodes[at(node)]}, {1}, 1, point.segment};
   }
-  const int count = n >= 3 ? 4 : 2;
-  const int begin =
-      count == 2 ? static_cast<int>(segment) : std::clamp(static_cast<int>(segment) - 1, 0, n - 3);
-  point.count = count;
-  const auto place = [&](int i) {
-    return places[static_cast<std::size_t>(begin) + static_cast<std::size_t>(i)];
-  };
-  for (int i = 0; i < count; ++i) {  // Lagrange's weights
+  point.count = member.segments >= 3 ? 4 : 2;
+  const int begin = point.count == 2 ? segment : std::clamp(segment - 1, 0, member.segments - 3);
+  for (int i = 0; i < point.count; ++i) {  // Lagrange's weights
     double weight = 1;
-    for (int j = 0; j < count; ++j) {
-      if (j != i) weight *= (s - place(j)) / (place(i) - place(j));
+    for (int j = 0; j < point.count; ++j) {
+      const double other = places[at(begin + j)];
+      if (j != i) weight *= (s - other) / (places[at(begin + i)] - other);
     }
-    const auto k = static_cast<std::size_t>(i);
-    point.node[k] = member.nodes[static_cast<std::size_t>(begin) + static_cast<std::size_t>(i)];
-    point.weight[k] = weight;
+    point.node[at(i)] = member.nodes[at(begin + i)];
+    point.weight[at(i)] = weight;
   }
   return point;
 }
@@ -154,7 +132,7 @@ ChainPoint point_on(const ChainMember& member, double position) {
 /// Between the nodes of the segment that it stands in, or at one of them.
 PointMass point_mass_on(const ChainMember& member, int index, const AttachedMass& mass) {
   const double s = std::clamp(mass.position, 0.0, 1.0);
-  const std::size_t i = segment_at(member.places, s);
+  const std::size_t i = at(member.segment_at(s));
   const double length = member.places[i + 1] - member.places[i];
   return {
       {member.nodes[i], member.nodes[i + 1]}, (s - member.places[i]) / length, mass.mass, index};
@@ -175,32 +153,32 @@ Vector3d permuted(const Matrix3d& axes, const Vector3d& numbers) {
 /// Each node's neighbours are near it in the order of a breadth-first walk from a node at the rig's
 /// edge (E. Cuthill and J. McKee, Proc. 24th ACM Nat. Conf., 1969).
 std::vector<int> walk(const Chain& chain) {
-  const auto n = static_cast<std::size_t>(chain.nodes);
+  const auto n = at(chain.nodes);
   std::vector<std::vector<int>> neighbours(n);
   for (const Segment& s : chain.segments) {
-    neighbours[static_cast<std::size_t>(s.a)].push_back(s.b);
-    neighbours[static_cast<std::size_t>(s.b)].push_back(s.a);
+    neighbours[at(s.a)].push_back(s.b);
+    neighbours[at(s.b)].push_back(s.a);
   }
   std::vector<int> all, order;
   std::vector<bool> met(n, false);
   const auto breadth_first = [&](int start) {
     order.assign(1, start);
-    met[static_cast<std::size_t>(start)] = true;
+    met[at(start)] = true;
     for (std::size_t head = 0; head < order.size(); ++head) {
-      for (const int next : neighbours[static_cast<std::size_t>(order[head])]) {
-        if (met[static_cast<std::size_t>(next)]) continue;
-        met[static_cast<std::size_t>(next)] = true;
+      for (const int next : neighbours[at(order[head])]) {
+        if (met[at(next)]) continue;
+        met[at(next)] = true;
         order.push_back(next);
       }
     }
   };
   for (int start = 0; start < chain.nodes; ++start) {
-    if (met[static_cast<std::size_t>(start)]) continue;
+    if (met[at(start)]) continue;
     int edge = start;
     for (int sweep = 0; sweep < 2; ++sweep) {  // the farthest node of the farthest
       breadth_first(edge);
       edge = order.back();
-      for (const int node : order) met[static_cast<std::size_t>(node)] = false;
+      for (const int node : order) met[at(node)] = false;
     }
     breadth_first(edge);
     all.insert(all.end(), order.begin(), order.end());
@@ -222,27 +200,31 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
 
   // Nodes: the scene's, then those inside each member.
   const auto scene_nodes = static_cast<int>(scene.nodes.size());
-  std::vector<int> counts(scene.members.size());
-  int nodes = scene_nodes, segment_count = 0;
-  for (std::size_t m = 0; m < counts.size(); ++m) {
-    const int asked = m < options.segments.size() ? options.segments[m] : 0;
-    const int own = scene.members[m].segments > 0 ? scene.members[m].segments : kDefaultSegments;
-    counts[m] = std::max(2, asked > 0 ? asked : own);
-    if (m < options.places.size() && !options.places[m].empty()) {
-      counts[m] = static_cast<int>(options.places[m].size()) - 1;
+  chain.scene_nodes = chain.nodes = scene_nodes;
+  chain.members.resize(scene.members.size());
+  for (std::size_t m = 0; m < scene.members.size(); ++m) {
+    ChainMember& out = chain.members[m];
+    out.even = m >= options.places.size() || options.places[m].empty();
+    if (out.even) {
+      const int asked = m < options.segments.size() ? options.segments[m] : 0;
+      const int own = scene.members[m].segments > 0 ? scene.members[m].segments : kDefaultSegments;
+      const int n = std::max(2, asked > 0 ? asked : own);
+      for (int i = 0; i <= n; ++i) out.places.push_back(double(i) / n);
+    } else {
+      out.places = options.places[m];
     }
-    nodes += counts[m] - 1;
-    segment_count += counts[m];
+    out.segments = static_cast<int>(out.places.size()) - 1;
+    chain.nodes += out.segments - 1;
   }
-  chain.nodes = nodes;
-  chain.scene_nodes = scene_nodes;
-  chain.drawn.resize(3, nodes);
-  chain.fixed.setConstant(3, nodes, false);
-  chain.segments.reserve(static_cast<std::size_t>(segment_count));
+  chain.drawn.resize(3, chain.nodes);
+  chain.fixed.setConstant(3, chain.nodes, false);
+  const auto rotations =
+      static_cast<Index>(std::ranges::count(reduction.attitude, NodeAttitude::turning));
+  chain.rotation_fixed.setConstant(3, rotations, false);
 
   std::vector<int> rotation_of(scene.nodes.size(), -1);
   for (int k = 0; k < scene_nodes; ++k) {
-    const auto index = static_cast<std::size_t>(k);
+    const auto index = at(k);
     const SceneNode& node = scene.nodes[index];
     chain.drawn.col(k) = chain.axes * node.position;
     if (node.support.kind == Support::Kind::clamped || node.support.kind == Support::Kind::pinned) {
@@ -256,14 +238,19 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
       chain.rotating_node.push_back(k);
     }
     if (node.support.kind == Support::Kind::elastic) {
+      const auto hold = [](double& stiffness, bool& held) {
+        if (!std::isinf(stiffness)) return;
+        held = true;
+        stiffness = 0;
+      };
       support.translational = permuted(chain.axes, node.support.translational);
-      for (int axis = 0; axis < 3; ++axis) {
-        if (!std::isinf(support.translational[axis])) continue;
-        chain.fixed(axis, k) = true;
-        support.translational[axis] = 0;
-      }
       if (support.rotation >= 0) {
         support.rotational = permuted(chain.axes, node.support.rotational);
+      }
+      for (int axis = 0; axis < 3; ++axis) {
+        hold(support.translational[axis], chain.fixed(axis, k));
+        if (support.rotation < 0) continue;
+        hold(support.rotational[axis], chain.rotation_fixed(axis, support.rotation));
       }
       chain.supports.push_back(support);
     }
@@ -272,12 +259,11 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
   int next_node = scene_nodes;
   for (std::size_t m = 0; m < scene.members.size(); ++m) {
     const Member& member = scene.members[m];
-    const int n = counts[m];
-    ChainMember out;
+    ChainMember& out = chain.members[m];
+    const int n = out.segments;
     out.cable = member.kind == Member::Kind::cable;
     out.first_segment = static_cast<int>(chain.segments.size());
     out.first_joint = static_cast<int>(chain.inner_joints.size());
-    out.segments = n;
     const Vector3d from = chain.drawn.col(ends[m][0]), to = chain.drawn.col(ends[m][1]);
     const Vector3d chord = to - from;
     if (!(chord.norm() > 0)) {
@@ -305,8 +291,6 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
 
     const bool framed = reduction.torsion[m];
     const Matrix3d axes = chain.axes * material_axes(chain.axes.transpose() * chord);
-    out.even = m >= options.places.size() || options.places[m].empty();
-    out.places = places_of(out.even ? std::vector<double>{} : options.places[m], n);
     const std::vector<double>& places = out.places;
     const Sections sections(member, places, out.even, out.unstretched_length);
     const bool accurate = options.rotary_inertia == RotaryInertia::accurate;
@@ -317,18 +301,18 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     std::array<bool, 2> bent{false, false};  // ends that bear a moment
     for (std::size_t e = 0; e < 2; ++e) {
       bent[e] = member.joint[e] == Member::Joint::rigid &&
-                reduction.attitude[static_cast<std::size_t>(ends[m][e])] != NodeAttitude::released;
+                reduction.attitude[at(ends[m][e])] != NodeAttitude::released;
     }
     const std::vector<double> flexibility =
         joint_flexibilities(sections, tension, options.rotary_inertia, bent);
     out.nodes.push_back(ends[m][0]);
     for (int i = 1; i < n; ++i) {
-      chain.drawn.col(next_node) = from + chord * places[static_cast<std::size_t>(i)];
+      chain.drawn.col(next_node) = from + chord * places[at(i)];
       out.nodes.push_back(next_node++);
     }
     out.nodes.push_back(ends[m][1]);
     for (int i = 0; i < n; ++i) {
-      const auto k = static_cast<std::size_t>(i);
+      const auto k = at(i);
       Segment segment;
       segment.a = out.nodes[k];
       segment.b = out.nodes[k + 1];
@@ -352,14 +336,14 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     if (framed) chain.drawn_director.rightCols(n).colwise() = axes.col(1);
 
     for (int end = 0; end < 2; ++end) {
-      const auto e = static_cast<std::size_t>(end);
+      const auto e = at(end);
       if (member.joint[e] == Member::Joint::pinned) continue;
-      const auto node = static_cast<std::size_t>(ends[m][e]);
+      const auto node = at(ends[m][e]);
       EndJoint joint;
       joint.segment = end == 0 ? out.first_segment : out.first_segment + n - 1;
       // The paper's joint is in the middle of its half segment.
       const double place = options.rotary_inertia == RotaryInertia::rigid_rod ? 0.25 / n : 0;
-      const std::size_t joint_index = end == 0 ? 0 : std::size_t(n);
+      const std::size_t joint_index = end == 0 ? 0 : at(n);
       joint.springs =
           sections.springs(joint_index, end == 0 ? place : 1 - place, flexibility[joint_index], 0.5,
                            framed, axial.at(end) * (accurate ? kClampedAxial : 1));
@@ -380,39 +364,22 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     for (const AttachedMass& mass : member.masses) {
       chain.masses.push_back(point_mass_on(out, static_cast<int>(m), mass));
     }
-    chain.members.push_back(std::move(out));
   }
 
   // Axes of each turning node, by its rotational stiffness as drawn.
-  const auto rotations = static_cast<Index>(chain.rotating_node.size());
   chain.rotation_basis.assign(chain.rotating_node.size(), Matrix3d::Identity());
-  chain.rotation_fixed.setConstant(3, rotations, false);
   std::vector<Matrix3d> stiffness(chain.rotating_node.size(), Matrix3d::Zero());
   for (const EndJoint& joint : chain.end_joints) {
     if (joint.rotation < 0) continue;
     const Vector3d k(joint.springs.torsion, joint.springs.about_1, joint.springs.about_2);
-    stiffness[static_cast<std::size_t>(joint.rotation)] +=
-        joint.directors * k.asDiagonal() * joint.directors.transpose();
+    stiffness[at(joint.rotation)] += joint.directors * k.asDiagonal() * joint.directors.transpose();
   }
   for (const NodeSupport& support : chain.supports) {
-    if (support.rotation < 0) continue;
-    for (int axis = 0; axis < 3; ++axis) {
-      stiffness[static_cast<std::size_t>(support.rotation)](axis, axis) +=
-          std::isinf(support.rotational[axis]) ? 0.0 : support.rotational[axis];
-    }
+    if (support.rotation >= 0) stiffness[at(support.rotation)].diagonal() += support.rotational;
   }
   for (Index r = 0; r < rotations; ++r) {
     const auto k = static_cast<std::size_t>(r);
-    bool held_axis = false;
-    for (NodeSupport& support : chain.supports) {
-      if (support.rotation != r) continue;
-      for (int axis = 0; axis < 3; ++axis) {
-        if (!std::isinf(support.rotational[axis])) continue;
-        chain.rotation_fixed(axis, r) = held_axis = true;
-        support.rotational[axis] = 0;
-      }
-    }
-    if (held_axis) continue;  // about coordinate axes
+    if (chain.rotation_fixed.col(r).any()) continue;  // held, about coordinate axes
     // The plane's normal stays an axis; the solver returns rising eigenvalues.
     Vector3d values;
     if (chain.planar) {
@@ -434,7 +401,7 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
   const auto locate = [&](const Place& place) {
     if (!place.member.empty()) {
       const int member = index_named(scene, scene.members, place.member);
-      return point_on(chain.members[static_cast<std::size_t>(member)], place.position);
+      return point_on(chain.members[at(member)], place.position);
     }
     const int node = index_named(scene, scene.nodes, place.node);
     const auto ends_there = [&](const Segment& s) { return s.a == node || s.b == node; };
@@ -453,14 +420,18 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
   return chain;
 }
 
+int ChainMember::segment_at(double s) const {
+  const auto after = std::upper_bound(places.begin(), places.end(), s) - places.begin();
+  return std::clamp(static_cast<int>(after) - 1, 0, segments - 1);
+}
+
 void Chain::set_unstretched_length(int index, double length) {
-  ChainMember& member = members[static_cast<std::size_t>(index)];
+  ChainMember& member = members[at(index)];
   const double ratio = length / member.unstretched_length;
   if (ratio == 1) return;
   member.unstretched_length = length;
   for (int i = 0; i < member.segments; ++i) {
-    Segment& segment =
-        segments[static_cast<std::size_t>(member.first_segment) + static_cast<std::size_t>(i)];
+    Segment& segment = segments[at(member.first_segment + i)];
     segment.length = member.even ? length / member.segments : segment.length * ratio;
     segment.mass *= ratio;
     segment.polar *= ratio;
@@ -474,12 +445,84 @@ void Chain::set_unstretched_length(int index, double length) {
     springs.torsion_damping /= ratio;
   };
   for (int i = 0; i + 1 < member.segments; ++i) {
-    rescale(inner_joints[static_cast<std::size_t>(member.first_joint) + static_cast<std::size_t>(i)]
-                .springs);
+    rescale(inner_joints[at(member.first_joint + i)].springs);
   }
   for (const int joint : member.end_joint) {
-    if (joint >= 0) rescale(end_joints[static_cast<std::size_t>(joint)].springs);
+    if (joint >= 0) rescale(end_joints[at(joint)].springs);
   }
+}
+
+std::vector<int> Chain::segment_counts() const {
+  std::vector<int> counts;
+  for (const ChainMember& member : members) counts.push_back(member.segments);
+  return counts;
+}
+
+void settle(Chain& chain, const ChainState& state) {
+  for (EndJoint& joint : chain.end_joints) {
+    if (!joint.stress_free_at_equilibrium) continue;
+    joint.directors = directed(chain, state, joint.segment).directors;
+    if (joint.rotation >= 0) {
+      const Matrix3d& turn = state.rotation[at(joint.rotation)];
+      joint.directors = (turn.transpose() * joint.directors).eval();
+    }
+  }
+  chain.settled = true;
+}
+
+Directed directed(const Chain& chain, const ChainState& state, int segment) {
+  const Segment& s = chain.segments[at(segment)];
+  const Vector3d e = state.position.col(s.b) - state.position.col(s.a);
+  Directed out;
+  out.length = e.norm();
+  out.directors.col(0) = e / out.length;
+  if (s.frame >= 0) {
+    out.directors.col(1) = state.director.col(s.frame);
+    out.directors.col(2) = out.directors.col(0).cross(out.directors.col(1));
+  } else {
+    out.directors.rightCols<2>().setZero();
+  }
+  return out;
+}
+
+VectorXd axial_forces(const Chain& chain, const ChainState& state) {
+  VectorXd forces(static_cast<Index>(chain.segments.size()));
+  for (Index k = 0; k < forces.size(); ++k) {
+    const Segment& s = chain.segments[static_cast<std::size_t>(k)];
+    const double length = (state.position.col(s.b) - state.position.col(s.a)).norm();
+    forces[k] = s.EA * (length / s.length - 1);
+  }
+  return forces;
+}
+
+void carry_frames(const Chain& chain, const ChainState& from, ChainState& to) {
+  for (const Segment& s : chain.segments) {
+    if (s.frame < 0) continue;
+    const Vector3d t = (from.position.col(s.b) - from.position.col(s.a)).normalized();
+    const Vector3d after = (to.position.col(s.b) - to.position.col(s.a)).normalized();
+    to.director.col(s.frame) = transported(from.director.col(s.frame), t, after);
+  }
+}
+
+Vector3d transported(const Vector3d& d, const Vector3d& from, const Vector3d& to) {
+  return d - d.dot(to) / (1 + from.dot(to)) * (from + to);
+}
+
+ChainState drawn_state(const Chain& chain) {
+  ChainState state;
+  state.position = chain.drawn;
+  state.director = chain.drawn_director;
+  state.rotation.assign(chain.rotating_node.size(), Matrix3d::Identity());
+  return state;
+}
+
+Vector3d position_of(const ChainPoint& point, const Matrix3Xd& position) {
+  Vector3d sum = Vector3d::Zero();
+  for (int k = 0; k < point.count; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    sum += point.weight[i] * position.col(point.node[i]);
+  }
+  return sum;
 }
 
 }  // namespace rigfit::model

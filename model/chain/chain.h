@@ -105,6 +105,9 @@ struct ChainMember {
   double unstretched_length = 0;         ///< m
   std::optional<double> target_tension;  ///< N: the unstretched length is to be found
   Vector3d tension_direction{1, 0, 0};   ///< unit: horizontal, or the chord if that is steep
+
+  /// The segment, from 0, that a place lies in.
+  [[nodiscard]] int segment_at(double s) const;
 };
 
 /// Everything of a rig that does not move. The unstretched lengths may be set anew (they are

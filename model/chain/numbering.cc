@@ -6,15 +6,15 @@ namespace {
 /// For each unknown the lowest one that it is coupled with through a segment, joint or support; a
 /// mass couples no nodes but those of its segment.
 std::vector<int> first_coupled(const Chain& chain, const Numbering& out) {
-  std::vector<int> first(static_cast<std::size_t>(out.size));
+  std::vector<int> first(at(out.size));
   for (std::size_t k = 0; k < first.size(); ++k) first[k] = static_cast<int>(k);
   std::vector<int> group;
   const auto node = [&](int n) {
     for (int axis = 0; axis < 3; ++axis) group.push_back(out.displacement(axis, n));
   };
   const auto segment = [&](int s) {
-    node(chain.segments[static_cast<std::size_t>(s)].a);
-    node(chain.segments[static_cast<std::size_t>(s)].b);
+    node(chain.segments[at(s)].a);
+    node(chain.segments[at(s)].b);
     group.push_back(out.twist[s]);
   };
   const auto rotation = [&](int r) {
@@ -26,8 +26,7 @@ std::vector<int> first_coupled(const Chain& chain, const Numbering& out) {
       if (i >= 0) low = std::min(low, i);
     }
     for (const int i : group) {
-      if (i >= 0)
-        first[static_cast<std::size_t>(i)] = std::min(first[static_cast<std::size_t>(i)], low);
+      if (i >= 0) first[at(i)] = std::min(first[at(i)], low);
     }
     group.clear();
   };
@@ -58,12 +57,12 @@ std::vector<bool> borne_rotations(const Chain& chain) {
   for (const EndJoint& joint : chain.end_joints) {
     if (joint.rotation < 0 || (joint.stress_free_at_equilibrium && !chain.settled)) continue;
     if (joint.springs.about_1 + joint.springs.about_2 > 0) {
-      borne[static_cast<std::size_t>(joint.rotation)] = true;
+      borne[at(joint.rotation)] = true;
     }
   }
   for (const NodeSupport& support : chain.supports) {
     if (support.rotation >= 0 && support.rotational.maxCoeff() > 0) {
-      borne[static_cast<std::size_t>(support.rotation)] = true;
+      borne[at(support.rotation)] = true;
     }
   }
   return borne;
@@ -83,22 +82,22 @@ Numbering number_unknowns(const Chain& chain, Motion motion) {
   const std::vector<bool> borne = borne_rotations(chain);
   const std::vector<int>& order = chain.along;
   std::vector<int> rank(order.size()), rotation(order.size(), -1);
-  for (std::size_t k = 0; k < order.size(); ++k) rank[std::size_t(order[k])] = static_cast<int>(k);
+  for (std::size_t k = 0; k < order.size(); ++k) rank[at(order[k])] = static_cast<int>(k);
   for (std::size_t r = 0; r < borne.size(); ++r) {
-    if (borne[r]) rotation[std::size_t(chain.rotating_node[r])] = static_cast<int>(r);
+    if (borne[r]) rotation[at(chain.rotating_node[r])] = static_cast<int>(r);
   }
   // Segments that twist, by the rank of their first node.
   std::vector<std::pair<int, Index>> twisting;
   for (Index s = 0; motion != Motion::in_plane && s < segments; ++s) {
     const Segment& segment = chain.segments[static_cast<std::size_t>(s)];
-    const int first = std::min(rank[std::size_t(segment.a)], rank[std::size_t(segment.b)]);
+    const int first = std::min(rank[at(segment.a)], rank[at(segment.b)]);
     if (segment.frame >= 0) twisting.emplace_back(first, s);
   }
   std::ranges::sort(twisting);
   auto next = twisting.begin();
   const bool space = motion == Motion::space, in_plane = motion == Motion::in_plane;
   for (std::size_t k = 0; k < order.size(); ++k) {
-    const int node = order[k], r = rotation[static_cast<std::size_t>(node)];
+    const int node = order[k], r = rotation[at(node)];
     for (int axis = 0; axis < 3; ++axis) {
       const bool here = space || in_plane == (axis < 2);
       if (here && !chain.fixed(axis, node)) out.displacement(axis, node) = out.size++;

@@ -21,9 +21,18 @@ struct Numbering {
 
   /// A node's part of increments q of the unknowns; zero where it has none.
   [[nodiscard]] Vector3d displacement_in(const Ref<const VectorXd>& q, int node) const {
+    return part_of(q, displacement.col(node));
+  }
+  /// A rotating node's, in its own axes.
+  [[nodiscard]] Vector3d rotation_in(const Ref<const VectorXd>& q, Index r) const {
+    return part_of(q, rotation.col(r));
+  }
+
+ private:
+  static Vector3d part_of(const Ref<const VectorXd>& q, const Eigen::Vector3i& unknowns) {
     Vector3d v = Vector3d::Zero();
     for (int axis = 0; axis < 3; ++axis) {
-      if (displacement(axis, node) >= 0) v[axis] = q[displacement(axis, node)];
+      if (unknowns[axis] >= 0) v[axis] = q[unknowns[axis]];
     }
     return v;
   }

@@ -68,7 +68,7 @@ double nominal_tension(const Member& member, const Vector3d& ends, const Vector3
 AxialForce nominal_axial_force(const Scene& scene, const std::vector<std::array<int, 2>>& ends,
                                std::size_t member) {
   const Member& beam = scene.members[member];
-  const auto node = [&](int k) -> const SceneNode& { return scene.nodes[std::size_t(k)]; };
+  const auto node = [&](int k) -> const SceneNode& { return scene.nodes[at(k)]; };
   const auto held = [&](int k) { return node(k).support.kind != Support::Kind::free; };
   const auto [first, second] = ends[member];
   if (beam.kind == Member::Kind::cable || held(first) == held(second)) return {};

@@ -7,7 +7,6 @@
 
 #include "model/scene/actual_state.h"
 #include "model/scene/model_reduction.h"
-#include "model/scene/scene_error.h"
 
 namespace rigfit::model {
 namespace {

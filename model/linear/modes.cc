@@ -25,15 +25,14 @@ ChainOptions chain_options_of(const ModesOptions& options, const std::vector<int
 ChainModes prepare(const Scene& scene, const ChainOptions& chain_options) {
   ChainModes out;
   out.chain = std::make_unique<Chain>(Chain::from_scene(scene, chain_options));
-  std::vector<RestMotion> rest;
-  out.equilibrium = find_equilibrium(*out.chain, scene, &rest);
-  if (out.equilibrium.status != EquilibriumStatus::converged) return out;
-  for (RestMotion& at_rest : rest) {
+  out.equilibrium = find_equilibrium(*out.chain, scene);
+  for (RestMotion& at_rest : out.equilibrium.motions) {
     MotionModes& motion = out.motions.emplace_back();
     static_cast<RestMotion&>(motion) = std::move(at_rest);
     motion.mass = motion.assembly->matrix();
     motion.assembly->mass(motion.mass);
   }
+  out.equilibrium.motions.clear();
   return out;
 }
 

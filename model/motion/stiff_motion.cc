@@ -202,11 +202,8 @@ class StiffRun {
       u_(twist) -= t0.cross(t).dot(de) / (e.norm() * (1 + t0.dot(t)));
     }
     for (Index r = 0; r < numbering.rotation.cols(); ++r) {
-      Vector3d psi = Vector3d::Zero(), d = psi;
-      for (int axis = 0; axis < 3; ++axis) {
-        const int i = numbering.rotation(axis, r);
-        if (i >= 0) psi[axis] = q(i), d[axis] = u_(i);
-      }
+      const Vector3d psi = numbering.rotation_in(q, r);
+      Vector3d d = numbering.rotation_in(u_, r);
       const double a = psi.norm();
       if (a < 1e-6) continue;  // below, psi x d / 2 is a millionth of d
       const Vector3d across = psi.cross(d);

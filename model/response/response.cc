@@ -9,7 +9,6 @@
 #include "model/motion/stiff_motion.h"
 #include "model/response/linear_answer.h"
 #include "model/response/response_modes.h"
-#include "model/scene/scene_error.h"
 #include "model/statics/equilibrium.h"
 
 namespace rigfit::model {
@@ -38,13 +37,6 @@ std::vector<LoadForce> forces_of(const Scene& scene, const ResponseOptions& opti
     forces[l].record = &record;
   }
   return forces;
-}
-
-// Nothing pushes the scene out of its plane.
-bool plane_is_enough(const Chain& chain) {
-  if (!chain.planar) return false;
-  return std::all_of(chain.load_direction.begin(), chain.load_direction.end(),
-                     [](const Vector3d& direction) { return std::abs(direction.z()) <= 1e-12; });
 }
 
 std::vector<DampedModes> damped_modes(const LinearAnswer& answer, const Assembly& assembly) {
@@ -141,7 +133,10 @@ class Simulation {
 
   void choose() {
     const Chain& chain = *answer_.modes.chain;
-    plane_ = !options_.space && plane_is_enough(chain);
+    // The plane is enough where nothing pushes the scene out of it.
+    plane_ = chain.planar && !options_.space &&
+             std::ranges::all_of(chain.load_direction,
+                                 [](const Vector3d& d) { return std::abs(d.z()) <= 1e-12; });
     problem_.motion = plane_ ? Motion::in_plane : Motion::space;
     out_.motion = plane_ ? "plane" : "space";
     assembly_ = std::make_unique<Assembly>(chain, problem_.motion);
@@ -185,12 +180,12 @@ class Simulation {
     problem_.joint_damping = has_joint_dampers(scene_);
     problem_.damped_modes = damped_modes(answer_, *assembly_);
     const VectorXd weight = load_rows(*assembly_) * hung_weights(scene_);
-    LoadedState loaded = loaded_state(*assembly_, rest, weight);
-    if (!loaded.converged) {
+    std::optional<ChainState> loaded = loaded_state(*assembly_, rest, weight);
+    if (!loaded) {
       out_.reason = "no equilibrium was found with the hung mass on";
       return false;
     }
-    problem_.start = std::move(loaded.state);
+    problem_.start = std::move(*loaded);
     const std::string why = not_explicit(problem_);
     if (out_.solver == ResponseSolver::automatic) {
       out_.solver = why.empty() ? ResponseSolver::explicit_motion : ResponseSolver::stiff_motion;

@@ -142,10 +142,10 @@ Nonlinearity estimate_nonlinearity(const LinearAnswer& answer, const Scene& scen
   // Eigenvalues in both extremes; one alone when there is no equilibrium the other way.
   VectorXd values[2];
   for (int side = 0; side < 2; ++side) {
-    const LoadedState loaded =
+    const std::optional<ChainState> loaded =
         loaded_state(assembly, modes.equilibrium.state, side == 0 ? load : VectorXd(-load));
-    if (!loaded.converged) continue;
-    assembly.force_and_tangent(loaded.state, force, stiffness);
+    if (!loaded) continue;
+    assembly.force_and_tangent(*loaded, force, stiffness);
     values[side] = nearest_eigenvalues(stiffness, mass, shapes);
   }
   if (values[0].size() == 0 || values[1].size() == 0) {
@@ -153,8 +153,7 @@ Nonlinearity estimate_nonlinearity(const LinearAnswer& answer, const Scene& scen
     return out;
   }
   double weighted = 0, weight = 0, most = -1;
-  const auto compared = static_cast<Index>(lowest.size());
-  for (Index i = 0; i < std::min({compared, values[0].size(), values[1].size()}); ++i) {
+  for (Index i = 0; i < std::ssize(lowest); ++i) {
     const Index mode = lowest[static_cast<std::size_t>(i)];
     const double rest = answer.omega(mode) * answer.omega(mode);
     const double even = ((values[0](i) + values[1](i)) / (2 * rest) - 1) / 8;

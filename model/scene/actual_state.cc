@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "model/scene/scene_error.h"
-
 namespace rigfit::model {
 
 Vector3d chord_of(const Scene& scene, const Member& member) {

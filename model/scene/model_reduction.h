@@ -9,7 +9,6 @@
 
 #include "model/algebra/numbers.h"
 #include "model/scene/scene.h"
-#include "model/scene/scene_error.h"
 
 namespace rigfit::model {
 

@@ -1,8 +1,9 @@
 #include "model/scene/parameters.h"
 
+#include <fmt/ranges.h>
+
 #include <tuple>
 
-#include "model/scene/scene_error.h"
 #include "model/scene/scene_numbers.h"
 
 namespace rigfit::model {
@@ -136,10 +137,8 @@ std::vector<ParameterAccess> parameters_named(const Scene& scene,
   for (const std::string& name : names) {
     const auto one = std::ranges::find(all, name, &ParameterAccess::name);
     if (one == all.end()) {
-      std::string known;
-      for (const auto& other : all) known += (known.empty() ? "" : ", ") + other.name;
       throw SceneError({scene.file, 0, 0, name}, "the scene has no parameter \"" + name + "\"",
-                       "use one of: " + known);
+                       fmt::format("use one of: {}", fmt::join(parameter_names(scene), ", ")));
     }
     chosen.push_back(*one);
   }

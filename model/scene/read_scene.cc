@@ -1,16 +1,36 @@
 #include "model/scene/read_scene.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <map>
 #include <set>
 
 #include "model/algebra/numbers.h"
 #include "model/scene/actual_state.h"
-#include "model/scene/read_member.h"
+#include "model/scene/scene_numbers.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
 namespace {
+
+/// The key "name"; `fallback` where it is missing and the fallback is not empty.
+std::string name_in(TomlTable& table, const std::string& fallback) {
+  if (!table.has("name") && !fallback.empty()) return fallback;
+  std::string name = table.string("name");
+  if (name.empty()) throw table.error("name", "is empty", "give each one a name of its own");
+  return name;
+}
+
+/// The key "position" along a member, 0 to 1.
+double position_of(TomlTable& table) {
+  const double position = table.number("position", Bound::any, "");
+  if (position < 0 || position > 1) {
+    throw table.error("position", fmt::format("must be from 0 to 1, got {}", position),
+                      "give the fraction of the member's length from its first node");
+  }
+  return position;
+}
 
 Vector3d vector3(TomlTable& table, const std::string& key, const std::string& unit) {
   const auto v = table.numbers(key, 3, 3, Bound::any, unit);
@@ -64,6 +84,221 @@ SceneNode read_node(TomlTable& table) {
   node.mass = table.number_or("mass", Bound::not_negative, "kg", 0);
   table.finish();
   return node;
+}
+
+int segments_of(TomlTable& table) {
+  if (!table.is_string("segments")) {
+    return table.has("segments") ? table.integer_or("segments", 2, 10000, 0) : 0;
+  }
+  static_cast<void>(table.choice_or("segments", {"auto"}, "auto"));
+  return 0;
+}
+
+std::array<double, 2> bending_stiffness(TomlTable& table, Member::Kind kind) {
+  if (!table.is_array("EI")) {
+    const double EI = table.number("EI", Bound::not_negative, "N m2");
+    return {EI, EI};
+  }
+  const auto EI = table.numbers("EI", 2, 2, Bound::not_negative, "N m2");
+  if (kind == Member::Kind::cable && EI[0] != EI[1]) {
+    throw table.error("EI", "gives a cable two bending stiffnesses",
+                      "give one number, or make it kind = \"beam\"");
+  }
+  return {EI[0], EI[1]};
+}
+
+void check_initial_state(const TomlTable& table, const Member& member) {
+  const int given = member.tension.has_value() + member.unstretched_length.has_value() +
+                    member.stretch.has_value();
+  if (member.kind == Member::Kind::beam && given > 0) {
+    const char* key = member.tension              ? "tension"
+                      : member.unstretched_length ? "unstretched_length"
+                                                  : "stretch";
+    throw table.error(key, "is given for a beam, which is stress-free as drawn",
+                      "leave it out, or make the member kind = \"cable\"");
+  }
+  if (member.kind == Member::Kind::cable && given == 0) {
+    throw table.error("tension", "is missing",
+                      "a cable needs one of tension (N), unstretched_length (m) or stretch (m)");
+  }
+  if (given > 1) {
+    throw table.error(member.stretch ? "stretch" : "unstretched_length",
+                      "says a second time how the cable is tensioned",
+                      "keep only one of tension, unstretched_length and stretch");
+  }
+  if (member.thermal_expansion > 0 && (member.kind == Member::Kind::beam || member.tension)) {
+    throw table.error("thermal_expansion",
+                      member.tension ? "is given for a cable whose tension is given"
+                                     : "is given for a beam, which is drawn as it is",
+                      "leave it out: only cables given by unstretched_length or stretch take it");
+  }
+}
+
+void read_damping(TomlTable& table, Member& member) {
+  if (member.damping_ratio && *member.damping_ratio >= 1) {
+    throw table.error("damping_ratio",
+                      fmt::format("must be below 1, got {}", *member.damping_ratio),
+                      "give the ratio to critical damping, such as 0.005 (not percent)");
+  }
+  if (!table.has("damping")) return;
+  if (member.damping_ratio) {
+    throw table.error("damping", "is given beside damping_ratio",
+                      "keep one: joint dampers or a modal ratio");
+  }
+  TomlTable damping = table.table("damping");
+  for (const auto& number : kDampingNumbers) number.read(damping, member.damping);
+  damping.finish();
+}
+
+void read_joints(TomlTable& table, Member& member) {
+  if (!table.has("joint")) return;
+  auto words = table.strings("joint");
+  if (words.size() == 1) words.push_back(words[0]);
+  if (words.size() != 2) {
+    throw table.error("joint", fmt::format("has {} values", words.size()),
+                      "give one word for both ends, or two: [\"rigid\", \"pinned\"]");
+  }
+  for (std::size_t end = 0; end < 2; ++end) {
+    if (words[end] != "rigid" && words[end] != "pinned") {
+      throw table.error("joint", "does not know \"" + words[end] + "\"",
+                        "it must be \"rigid\" or \"pinned\"");
+    }
+    member.joint[end] = words[end] == "pinned" ? Member::Joint::pinned : Member::Joint::rigid;
+  }
+}
+
+Member read_member(TomlTable& table) {
+  Member member;
+  member.name = name_in(table, "");
+  static_cast<void>(table.string("kind"));
+  member.kind = table.choice_or("kind", {"cable", "beam"}, "") == "beam" ? Member::Kind::beam
+                                                                         : Member::Kind::cable;
+  const auto nodes = table.strings("nodes");
+  if (nodes.size() != 2) {
+    throw table.error("nodes", fmt::format("names {} nodes", nodes.size()),
+                      "name the two nodes it joins: [\"left\", \"right\"]");
+  }
+  member.nodes = {nodes[0], nodes[1]};
+  member.segments = segments_of(table);
+  for (const auto& number : kMemberNumbers) number.read(table, member);
+  if (table.has("mass_of")) {
+    member.mass_of = table.choice_or("mass_of", {"unstretched", "installed"}, "") == "installed"
+                         ? Member::MassOf::installed
+                         : Member::MassOf::unstretched;
+  }
+  member.EI = bending_stiffness(table, member.kind);
+  check_initial_state(table, member);
+  member.assembled = table.choice_or("assembled", {"hanging", "straight"}, "hanging") == "straight"
+                         ? Member::Assembled::straight
+                         : Member::Assembled::hanging;
+  read_damping(table, member);
+  read_joints(table, member);
+  for (TomlTable& mass : table.tables_or_empty("mass")) {
+    AttachedMass attached;
+    attached.position = position_of(mass);
+    attached.mass = mass.number("mass", Bound::positive, "kg");
+    mass.finish();
+    member.masses.push_back(attached);
+  }
+  table.finish();
+  return member;
+}
+
+constexpr int kMostCopies = 1000;
+
+bool same(const Support& a, const Support& b) {
+  return a.kind == b.kind && (a.kind != Support::Kind::elastic ||
+                              (a.translational == b.translational && a.rotational == b.rotational));
+}
+
+template <class T>
+const T* find(const std::vector<T>& things, const std::string& name) {
+  const auto at = std::ranges::find(things, name, &T::name);
+  return at == things.end() ? nullptr : &*at;
+}
+
+// The short form for a line of many poles: members and their nodes copied along an offset.
+//
+//   [[repeat]]
+//   members = ["pole", "span"]     # what is copied, with the nodes they end at
+//   count = 9                      # copies besides the original: "pole-2" ... "pole-10"
+//   offset = [50.0, 0.0, 0.0]      # m, from each to the next
+//
+// A copied node that falls on a node there is already becomes that node. Two nodes of the repeated
+// part that meet so must have the same support; a node outside it wins (the line's last anchor).
+void repeat(Scene& scene, TomlTable& table) {
+  const auto members = table.strings("members");
+  if (members.empty()) throw table.error("members", "is empty", "name the members to copy");
+  if (!table.has("count")) {
+    throw table.error("count", "is missing", "give the number of copies besides the original");
+  }
+  const int count = table.integer_or("count", 1, kMostCopies, 1);
+  const auto shift = table.numbers("offset", 3, 3, Bound::any, "m");
+  const Vector3d offset(shift[0], shift[1], shift[2]);
+  if (!(offset.norm() > 0)) {
+    throw table.error("offset", "has no length", "give the distance to the next one");
+  }
+  table.finish();
+
+  std::vector<std::string> nodes;  // nodes of the original, each once
+  for (const auto& name : members) {
+    const Member* member = find(scene.members, name);
+    if (!member) {
+      throw table.error("members", "there is no member \"" + name + "\"",
+                        "name members that stand above");
+    }
+    for (const auto& node : member->nodes) {
+      if (!find(scene.nodes, node)) {
+        throw table.error("members", "\"" + name + "\" ends at \"" + node + "\", which is no node",
+                          "add the node");
+      }
+      if (std::find(nodes.begin(), nodes.end(), node) == nodes.end()) nodes.push_back(node);
+    }
+  }
+
+  const auto claim = [&](const std::string& name) {
+    if (find(scene.nodes, name) || find(scene.members, name)) {
+      throw table.error("members", "the copy \"" + name + "\" has a name that is taken",
+                        "rename the other");
+    }
+  };
+  const double near = 1e-9 * offset.norm();
+  std::vector<std::string> part = nodes;  // the repeated nodes and their copies
+  for (int copy = 2; copy <= count + 1; ++copy) {
+    std::map<std::string, std::string> copied;
+    for (const auto& name : nodes) {
+      SceneNode node = *find(scene.nodes, name);
+      node.position += (copy - 1) * offset;
+      node.name = fmt::format("{}-{}", name, copy);
+      const auto there = std::find_if(
+          scene.nodes.begin(), scene.nodes.end(),
+          [&](const SceneNode& other) { return (other.position - node.position).norm() <= near; });
+      if (there == scene.nodes.end()) {
+        claim(node.name);
+        copied[name] = node.name;
+        part.push_back(node.name);
+        scene.nodes.push_back(std::move(node));
+        continue;
+      }
+      const bool inside = std::find(part.begin(), part.end(), there->name) != part.end();
+      if (inside && !same(there->support, node.support)) {
+        throw table.error("offset",
+                          fmt::format("copy {} of node \"{}\" falls on \"{}\", whose support "
+                                      "differs",
+                                      copy, name, there->name),
+                          "give both the same support, and the line's last anchor a node of its "
+                          "own outside the repeated members");
+      }
+      copied[name] = there->name;
+    }
+    for (const auto& name : members) {
+      Member member = *find(scene.members, name);
+      member.name = fmt::format("{}-{}", name, copy);
+      claim(member.name);
+      for (auto& node : member.nodes) node = copied[node];
+      scene.members.push_back(std::move(member));
+    }
+  }
 }
 
 Place read_place(TomlTable& table) {
@@ -157,9 +392,8 @@ void claim(std::set<std::string>& names, const std::string& name, const TomlTabl
 std::string missing(const std::string& name, const std::vector<std::string>& known) {
   const auto nearest = document::nearest_word(name, known);
   if (nearest) return "did you mean \"" + *nearest + "\"?";
-  std::string list;
-  for (const auto& word : known) list += (list.empty() ? "\"" : ", \"") + word + "\"";
-  return list.empty() ? "there are none yet" : "there are " + list;
+  return known.empty() ? "there are none yet"
+                       : fmt::format("there are \"{}\"", fmt::join(known, "\", \""));
 }
 
 class Reader {
@@ -168,14 +402,6 @@ class Reader {
 
   Scene read() {
     read_tables();
-    const auto node_names = names(scene_.nodes), member_names = names(scene_.members);
-    check_members(node_names);
-    for (std::size_t i = 0; i < scene_.loads.size(); ++i) {
-      check_place(scene_.loads[i].place, load_tables_[i], node_names, member_names);
-    }
-    for (std::size_t i = 0; i < scene_.sensors.size(); ++i) {
-      check_place(scene_.sensors[i].place, sensor_tables_[i], node_names, member_names);
-    }
     check_connected();
     check_conditions();
     return std::move(scene_);
@@ -225,16 +451,17 @@ class Reader {
       for (const auto& name : names(scene_.nodes)) taken.insert(name);
       for (const auto& name : names(scene_.members)) taken.insert(name);
     }
+    check_members();
     const auto folder = std::filesystem::path(scene_.file).parent_path();
     for (TomlTable& table : root_.tables_or_empty("load")) {
       scene_.loads.push_back(read_load(table, scene_.loads.size(), folder, scene_.gravity));
       claim(taken, scene_.loads.back().name, table);
-      load_tables_.push_back(table);
+      check_place(scene_.loads.back().place, table);
     }
     for (TomlTable& table : root_.tables_or_empty("sensor")) {
       scene_.sensors.push_back(read_sensor(table, scene_.sensors.size()));
       claim(sensors_taken, scene_.sensors.back().name, table, "give each sensor a name of its own");
-      sensor_tables_.push_back(table);
+      check_place(scene_.sensors.back().place, table);
     }
     root_.finish();
   }
@@ -273,18 +500,18 @@ class Reader {
     }
   }
 
-  void check_members(const std::vector<std::string>& node_names) {
-    std::vector<bool> used(node_names.size(), false);
+  void check_members() const {
+    std::vector<bool> used(scene_.nodes.size(), false);
     for (std::size_t m = 0; m < scene_.members.size(); ++m) {
       const Member& member = scene_.members[m];
       const TomlTable& table = member_tables_[m];
       for (const auto& name : member.nodes) {
-        const auto node = std::ranges::find(node_names, name);
-        if (node == node_names.end()) {
+        const SceneNode* node = find(scene_.nodes, name);
+        if (!node) {
           throw table.error("nodes", "there is no node \"" + name + "\"",
-                            missing(name, node_names));
+                            missing(name, names(scene_.nodes)));
         }
-        used[static_cast<std::size_t>(node - node_names.begin())] = true;
+        used[static_cast<std::size_t>(node - scene_.nodes.data())] = true;
       }
       const Vector3d chord = chord_of(scene_, member);
       if (member.nodes[0] == member.nodes[1] || !(chord.stableNorm() > 0)) {
@@ -300,17 +527,16 @@ class Reader {
     }
     for (std::size_t i = 0; i < used.size(); ++i) {
       if (!used[i]) {
-        throw node_tables_[i].error("name", "no member ends at node \"" + node_names[i] + "\"",
+        throw node_tables_[i].error("name",
+                                    "no member ends at node \"" + scene_.nodes[i].name + "\"",
                                     "name it in a member's nodes, or delete it");
       }
     }
   }
 
-  static void check_place(const Place& place, const TomlTable& table,
-                          const std::vector<std::string>& node_names,
-                          const std::vector<std::string>& member_names) {
+  void check_place(const Place& place, const TomlTable& table) const {
     const bool at_node = !place.node.empty();
-    const auto& known = at_node ? node_names : member_names;
+    const auto known = at_node ? names(scene_.nodes) : names(scene_.members);
     const auto& name = at_node ? place.node : place.member;
     if (std::ranges::find(known, name) == known.end()) {
       throw table.error(at_node ? "node" : "member",
@@ -352,7 +578,7 @@ class Reader {
   TomlTable root_;
   Scene scene_;
   std::optional<TomlTable> load_cell_table_;
-  std::vector<TomlTable> node_tables_, member_tables_, load_tables_, sensor_tables_;
+  std::vector<TomlTable> node_tables_, member_tables_;
 };
 
 }  // namespace

@@ -4,9 +4,13 @@
 // Axes: x along the cables, y up, z out of plane. Mass and stiffness are per unstretched length.
 #pragma once
 
+#include "document/document_error.h"
 #include "model/algebra/numbers.h"
 
 namespace rigfit::model {
+
+/// A scene that cannot be used; `what()` is the whole message, with file, line, key and remedy.
+using SceneError = document::DocumentError;
 
 inline constexpr double kStandardGravity = 9.80665;  // m/s^2, ISO 80000-3
 

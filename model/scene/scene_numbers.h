@@ -7,7 +7,6 @@
 
 #include "document/toml_table.h"
 #include "model/scene/scene.h"
-#include "model/scene/scene_error.h"
 
 namespace rigfit::model {
 

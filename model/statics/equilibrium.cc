@@ -1,7 +1,5 @@
 #include "model/statics/equilibrium.h"
 
-#include "model/statics/hanging_chain.h"
-
 namespace rigfit::model {
 namespace {
 
@@ -23,12 +21,12 @@ void scale_bending(Chain& chain, const Chain& whole, double part) {
       out.about_2 = in.about_2 * factor;
     };
     for (int i = 0; i + 1 < member.segments; ++i) {
-      const auto k = static_cast<std::size_t>(member.first_joint + i);
+      const auto k = at(member.first_joint + i);
       set(chain.inner_joints[k].springs, whole.inner_joints[k].springs);
     }
     for (const int e : member.end_joint) {
       if (e < 0) continue;
-      const auto k = static_cast<std::size_t>(e);
+      const auto k = at(e);
       set(chain.end_joints[k].springs, whole.end_joints[k].springs);
     }
   }
@@ -108,7 +106,7 @@ class Solver {
         const int target = targets_[std::size_t(i)];
         const double value =
             assembly_.tension_gradient(state, target, gradient_.col(i), diagonal_[i]);
-        mismatch_[i] = *chain_.members[std::size_t(target)].target_tension - value;
+        mismatch_[i] = *chain_.members[at(target)].target_tension - value;
         unbalanced_ = std::max(unbalanced_, std::abs(mismatch_[i]));
       }
       residual = scale_ > 0 ? unbalanced_ / scale_ : unbalanced_;
@@ -183,7 +181,7 @@ class Solver {
       stiffest = std::max(stiffest, s.EA / s.length);
     }
     for (const InnerJoint& joint : chain_.inner_joints) {
-      const double l = chain_.segments[std::size_t(joint.segment[0])].length;
+      const double l = chain_.segments[at(joint.segment[0])].length;
       const double k = std::max(joint.springs.about_1, joint.springs.about_2) / (l * l);
       stiffest = std::max(stiffest, 4 * k);
     }
@@ -226,10 +224,10 @@ class Solver {
     }
     for (Index i = 0; i < lengths_.size(); ++i) {
       const int m = targets_[std::size_t(i)];
-      const ChainMember& member = chain_.members[std::size_t(m)];
+      const ChainMember& member = chain_.members[at(m)];
       for (int j = 0; j < member.segments; ++j) {
         const int k = member.first_segment + j;
-        const Segment& s = chain_.segments[std::size_t(k)];
+        const Segment& s = chain_.segments[at(k)];
         const double length = (state.position.col(s.b) - state.position.col(s.a)).norm();
         axial_[k] -= factor * s.EA * length / s.length * lengths_[i] / member.unstretched_length;
       }
@@ -242,7 +240,7 @@ class Solver {
     for (Index i = 0; i < lengths_.size(); ++i) {
       const int m = targets_[std::size_t(i)];
       chain_.set_unstretched_length(
-          m, chain_.members[std::size_t(m)].unstretched_length + factor * lengths_[i]);
+          m, chain_.members[at(m)].unstretched_length + factor * lengths_[i]);
     }
   }
 
@@ -265,13 +263,8 @@ const char* name_of(EquilibriumStatus status) {
   return kNames[static_cast<std::size_t>(status)];
 }
 
-ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
-                                  std::vector<RestMotion>* motions) {
+ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene) {
   ChainEquilibrium result;
-  const auto judge = [&] {
-    std::vector<RestMotion> found = judge_rest(chain, scene, result);
-    if (motions) *motions = std::move(found);
-  };
   chain.settled = false;
   ChainState& state = result.state;
   const Chain drawn = chain;
@@ -286,7 +279,7 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
     result.residual = solver.residual;
     if (!converged) continue;
     settle(chain, state);
-    judge();
+    judge_rest(chain, scene, result);
     if (result.status == EquilibriumStatus::converged ||
         result.status == EquilibriumStatus::mechanism) {
       return result;
@@ -339,7 +332,7 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
       settle(chain, state);
       ChainEquilibrium probe;
       probe.state = start;
-      (void)judge_rest(chain, scene, probe);
+      judge_rest(chain, scene, probe);
       if (probe.status != EquilibriumStatus::converged) {
         result.status = probe.status;
         result.reason = "no equilibrium was found near the drawn shape: " + probe.reason;
@@ -348,7 +341,7 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
     return result;
   }
   settle(chain, state);
-  judge();
+  judge_rest(chain, scene, result);
   return result;
 }
 
@@ -367,38 +360,35 @@ bool come_to_rest(Chain& chain, ChainState& state, const BorderedSolver& near) {
   return true;
 }
 
-LoadedState loaded_state(const Assembly& assembly, const ChainState& equilibrium,
-                         const VectorXd& load) {
-  LoadedState out;
-  out.state = equilibrium;
-  out.converged = load.isZero(0);
+std::optional<ChainState> loaded_state(const Assembly& assembly, const ChainState& equilibrium,
+                                       const VectorXd& load) {
+  ChainState state = equilibrium;
   Chain chain = assembly.chain();
   Solver solver(chain, assembly.numbering().motion);
   VectorXd force(assembly.size());
   EnvelopeMatrix tangent = assembly.matrix();
   EnvelopeFactor factor;
-  double done = 0, step = 1;
-  while (!out.converged && step > 1e-4) {
+  double done = load.isZero(0) ? 1 : 0, step = 1;
+  while (done < 1 && step > 1e-4) {
     const double fraction = std::min(1.0, done + step);
-    ChainState trial = out.state;
+    ChainState trial = state;
     bool good = solver.solve(trial, 0, fraction * load);
     // On the path that leads there from rest, not on another that a long step has found.
-    const double moved = (trial.position - out.state.position).cwiseAbs().maxCoeff();
+    const double moved = (trial.position - state.position).cwiseAbs().maxCoeff();
     if (moved > kLongestWay * solver.extent() && step > 1e-3) good = false;
     if (good) {
       assembly.force_and_tangent(trial, force, tangent);
       good = factor.factor(tangent) && factor.negative_pivots() == 0;
     }
     if (good) {
-      out.state = std::move(trial);
+      state = std::move(trial);
       done = fraction;
-      out.converged = done >= 1;
       step = std::min(2 * step, 1 - done);
     } else {
       step = std::min(step, 1 - done) / 2;
     }
   }
-  return out;
+  return done < 1 ? std::nullopt : std::optional(std::move(state));
 }
 
 Equilibrium describe(const Chain& chain, const ChainEquilibrium& equilibrium, const Scene& scene) {

@@ -1,6 +1,6 @@
-#include "model/statics/equilibrium_check.h"
-
 #include <fmt/format.h>
+
+#include "model/statics/equilibrium.h"
 
 namespace rigfit::model {
 namespace {
@@ -11,7 +11,7 @@ std::string name_at(const Chain& chain, const Numbering& numbering, int row, con
     const bool here = numbering.twist[k] == row ||
                       (numbering.displacement.col(s.a).array() == row).any() ||
                       (numbering.displacement.col(s.b).array() == row).any();
-    if (here) return scene.members[static_cast<std::size_t>(s.member)].name;
+    if (here) return scene.members[at(s.member)].name;
   }
   for (Index r = 0; r < numbering.rotation.cols(); ++r) {
     if ((numbering.rotation.col(r).array() == row).any()) {
@@ -34,7 +34,7 @@ const Member* free_to_twist(const Scene& scene) {
 double mean_force(const Chain& chain, const ChainMember& member, const VectorXd& axial) {
   double mean = 0;
   for (int k = member.first_segment; k < member.first_segment + member.segments; ++k) {
-    mean += axial[k] * chain.segments[std::size_t(k)].length / member.unstretched_length;
+    mean += axial[k] * chain.segments[at(k)].length / member.unstretched_length;
   }
   return mean;
 }
@@ -45,12 +45,10 @@ const char* how_to_tighten(const Member& cable) {
   return "give it a larger tension";
 }
 
-std::vector<RestMotion> judge_rest(const Chain& chain, const Scene& scene,
-                                   ChainEquilibrium& result) {
+void judge_rest(const Chain& chain, const Scene& scene, ChainEquilibrium& result) {
   const auto refuse = [&](EquilibriumStatus status, std::string reason) {
     result.status = status;
     result.reason = std::move(reason);
-    return std::vector<RestMotion>{};
   };
   const VectorXd axial = axial_forces(chain, result.state);
   for (std::size_t m = 0; m < chain.members.size(); ++m) {
@@ -111,7 +109,7 @@ std::vector<RestMotion> judge_rest(const Chain& chain, const Scene& scene,
     found.push_back({motion, std::move(assembly), std::move(tangent)});
   }
   result.status = EquilibriumStatus::converged;
-  return found;
+  result.motions = std::move(found);
 }
 
 }  // namespace rigfit::model

@@ -1,9 +1,15 @@
-#include "model/statics/hanging_chain.h"
-
+// The exact equilibrium of a cable's segments without bending stiffness: the cold start of every
+// equilibrium, for any tension.
+//
+// Under weights at its nodes the force in segment i is H h + V_i u (h: horizontal, u: up), with
+// V_(i+1) = V_i + weight of the node between. Its vector is l (1 / |F| + 1 / EA) F, and all of them
+// add up to the chord: two equations for V_0 and the unstretched length (H given) or H (length
+// given). Started from the catenary: H. M. Irvine, Cable Structures, 1981, ch. 1.
 #include <fmt/format.h>
 
 #include "model/algebra/numbers.h"
 #include "model/scene/actual_state.h"
+#include "model/statics/equilibrium.h"
 
 namespace rigfit::model {
 namespace {
@@ -100,8 +106,8 @@ bool catenary(const Problem& p, double h, double& v0, double& length) {
 /// A cable between its drawn ends, for its target tension (and `extra` N more, which stands for
 /// what bending carries) or its unstretched length. The reason why it is slack; empty: it hangs.
 std::string hang(Chain& chain, int index, double extra, ChainState& state) {
-  const ChainMember& member = chain.members[static_cast<std::size_t>(index)];
-  const auto n = static_cast<std::size_t>(member.segments);
+  const ChainMember& member = chain.members[at(index)];
+  const auto n = at(member.segments);
   const Vector3d from = chain.drawn.col(member.nodes.front());
   const Vector3d chord = chain.drawn.col(member.nodes.back()) - from;
   const double g = chain.gravity.norm();

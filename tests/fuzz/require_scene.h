@@ -9,7 +9,6 @@
 
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
-#include "model/scene/scene_error.h"
 
 namespace rigfit::model {
 

@@ -4,7 +4,7 @@
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/cli/verbs/all.h"
 #include "ident/predict/scene_prediction.h"
-#include "model/scene/scene_error.h"
+#include "model/scene/scene.h"
 
 namespace rigfit::apps {
 namespace {

@@ -2,7 +2,6 @@
 
 #include "apps/cli/verbs/all.h"
 #include "model/response/response.h"
-#include "model/scene/scene_error.h"
 #include "model/scene/sensor_quantity.h"
 #include "signal/writers/writers.h"
 

@@ -11,7 +11,6 @@
 #include "model/linear/modal_analysis.h"
 #include "model/response/response.h"
 #include "model/scene/read_scene.h"
-#include "model/scene/scene_error.h"
 #include "signal/writers/writers.h"
 
 namespace rigfit::apps {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "model/scene/actual_state.h"
-#include "model/scene/scene_error.h"
 
 namespace rigfit::ident {
 namespace {

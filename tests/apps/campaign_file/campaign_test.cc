@@ -1,6 +1,6 @@
 #include "apps/campaign/campaign.h"
 
-#include "model/scene/scene_error.h"
+#include "model/scene/scene.h"
 #include "tests/apps/apps_test.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_campaign.h"

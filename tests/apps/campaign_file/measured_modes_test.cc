@@ -5,7 +5,6 @@
 #include "apps/results/text_table.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
-#include "model/scene/scene_error.h"
 #include "signal/recording/recording.h"
 #include "signal/writers/writers.h"
 #include "tests/apps/apps_test.h"

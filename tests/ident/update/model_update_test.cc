@@ -1,6 +1,6 @@
 #include "ident/update/model_update.h"
 
-#include "model/scene/scene_error.h"
+#include "model/scene/scene.h"
 #include "tests/ident/update/fit_data.h"
 #include "tests/test.h"
 

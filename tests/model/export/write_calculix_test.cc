@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "model/scene/scene_error.h"
+#include "model/scene/scene.h"
 #include "tests/scenes.h"
 #include "tests/temporary_folder.h"
 #include "tests/test.h"

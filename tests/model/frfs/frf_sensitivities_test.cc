@@ -1,7 +1,7 @@
 // Against differences of FRFs synthesised anew: another equilibrium, other equations, other modes.
 #include "model/frfs/frf_synthesis.h"
 
-#include "model/scene/scene_error.h"
+#include "model/scene/scene.h"
 #include "tests/scenes.h"
 #include "tests/test.h"
 

@@ -146,11 +146,11 @@ TEST(LoadedState, BeamBentThroughNinetyDegreesIsTheElastica) {
       Chain chain = Chain::from_scene(scene);
       const ChainEquilibrium rest = find_equilibrium(chain, scene);
       const Assembly assembly(chain, Motion::in_plane);
-      const LoadedState loaded =
+      const std::optional<ChainState> loaded =
           loaded_state(assembly, rest.state, truth.force_N * load_rows(assembly));
-      ASSERT_TRUE(loaded.converged) << degrees;
+      ASSERT_TRUE(loaded.has_value()) << degrees;
       const Eigen::Vector3d end =
-          chain.axes.transpose() * loaded.state.position.col(chain.members[0].nodes.back());
+          chain.axes.transpose() * loaded->position.col(chain.members[0].nodes.back());
       tip[k] = end.head<2>();
     }
     EXPECT_LE((tip[1] - Eigen::Vector2d(truth.x, truth.y)).norm() / kLength,

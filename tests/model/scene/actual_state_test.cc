@@ -3,7 +3,6 @@
 #include "model/linear/modal_analysis.h"
 #include "model/scene/parameters.h"
 #include "model/scene/read_scene.h"
-#include "model/scene/scene_error.h"
 #include "tests/scenes.h"
 #include "tests/test.h"
 

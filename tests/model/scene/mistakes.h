@@ -1,7 +1,7 @@
 // Mistakes in a TOML document, one at a time, and what its reader must say of each.
 #pragma once
 
-#include "model/scene/scene_error.h"
+#include "model/scene/scene.h"
 #include "tests/test.h"
 
 namespace rigfit::model::testing {

@@ -1,7 +1,6 @@
 #include "model/scene/parameters.h"
 
 #include "model/linear/modal_analysis.h"
-#include "model/scene/scene_error.h"
 #include "tests/scenes.h"
 #include "tests/test.h"
 

@@ -1,6 +1,5 @@
 #include "model/scene/read_scene.h"
 
-#include "model/scene/scene_error.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_scene.h"
 #include "tests/model/scene/mistakes.h"
