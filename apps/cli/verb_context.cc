@@ -5,7 +5,6 @@
 #include <iostream>
 #include <system_error>
 
-#include "apps/cli/output_file.h"
 #include "apps/cli/progress.h"
 #include "apps/describe/json_of.h"
 #include "document/document_error.h"

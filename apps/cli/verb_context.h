@@ -29,6 +29,16 @@ struct Input {
 /// Empty for what is no regular file or cannot be read: whoever reads it says why.
 [[nodiscard]] std::string sha256_of_file(const std::filesystem::path& path);
 
+// Files written whole or not at all (output_file.cc).
+
+/// Writes beside the target under a temporary name, flushes to disk, then renames. Links are
+/// followed; a device or pipe is written through (a pipe's reader is waited for). Throws
+/// OutputError with path, reason and remedy; a regular target is then as it was.
+void write_whole_file(const std::filesystem::path& path, std::string_view content);
+
+/// Creates the folder (and parents). Throws OutputError.
+void make_output_folder(const std::filesystem::path& folder);
+
 class VerbContext {
  public:
   explicit VerbContext(std::ostream& out_stream) : out(out_stream) {}

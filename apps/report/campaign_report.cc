@@ -4,7 +4,6 @@
 #include <fstream>
 #include <span>
 
-#include "apps/cli/output_file.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "apps/describe/json_of.h"

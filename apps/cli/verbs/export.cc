@@ -1,6 +1,5 @@
 // rigfit export: a scene as the input of other programs.
 
-#include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
 #include "ident/predict/scene_prediction.h"
 #include "model/export/write_calculix.h"

@@ -9,7 +9,6 @@
 #include <thread>
 
 #include "apps/cli/exit_code.h"
-#include "apps/cli/output_file.h"
 #include "tests/apps/apps_test.h"
 #include "tests/temporary_folder.h"
 #include "tests/test.h"
