@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <ostream>
-#include <unordered_set>
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/warning_lines.h"
@@ -101,7 +100,6 @@ class VerbContext {
   Finding ended_by_;             ///< the first finding that gave the run its exit code
   std::vector<Finding> unsaid_;  ///< warnings to be said at the end
   std::vector<Input> inputs_;
-  std::unordered_set<std::string> known_;
 };
 
 }  // namespace rigfit::apps
