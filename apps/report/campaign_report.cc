@@ -28,7 +28,7 @@ std::string csv_of(const Picture& picture) { return picture.csv; }
 std::string svg_of(const Plot& plot, const SvgOptions& options) { return svg_plot(plot, options); }
 std::string svg_of(const Picture& picture, const SvgOptions&) { return picture.svg; }
 
-void write_pdfs(const fs::path& folder, const ReportOptions& options, VerbContext& context) {
+void write_pdfs(const fs::path& folder, ReportStyle style, VerbContext& context) {
   const std::string browser = find_chromium();
   if (browser.empty()) {
     context.refuse(
@@ -39,7 +39,7 @@ void write_pdfs(const fs::path& folder, const ReportOptions& options, VerbContex
     return;
   }
   std::vector<std::string> names{"report"};
-  if (options.style == ReportStyle::client) names.emplace_back("appendix");
+  if (style == ReportStyle::client) names.emplace_back("appendix");
   for (const auto& name : names) {
     const fs::path part = folder / (name + ".part.pdf"), pdf = folder / (name + ".pdf");
     std::error_code error;
@@ -111,7 +111,7 @@ void finish(const fs::path& folder, PageFrame frame, std::span<const ReportPart>
   std::vector<std::function<void()>> tasks{
       [&] { page = report_page(frame, parts.front(), rest); },
       [&] { json = context.document("report", result).dump(2) + "\n"; }};
-  if (options.style == ReportStyle::client) {
+  if (frame.style == ReportStyle::client) {
     tasks.emplace_back([&] { appendix = appendix_page(frame, rest); });
   }
   result["figures"] = Json::array();
@@ -141,7 +141,7 @@ void finish(const fs::path& folder, PageFrame frame, std::span<const ReportPart>
   } else {
     write_whole_file(folder / "appendix.html", appendix);
   }
-  if (options.pdf) write_pdfs(folder, options, context);
+  if (options.pdf) write_pdfs(folder, frame.style, context);
   context.out << fmt::format("report: {}\n", (folder / "report.html").string());
 }
 
@@ -273,19 +273,16 @@ Json compared_campaigns(const Campaign& before, const Campaign& after, const fs:
   static_cast<void>(campaign_report(before, folder / "before", options, context, &first.answers));
   static_cast<void>(campaign_report(after, folder / "after", options, context, &second.answers));
   std::vector<ReportPart> parts{{}, compare_reports(first, second)};
-  parts.front().id = "overview";
   PageFrame frame{title, "",
                   fmt::format("Before: {} ({}). After: {} ({}).", before.title, before.file,
                               after.title, after.file),
-                  after.report};
+                  after.report};  // one page
   frame.links = {{"before/report.html", "Before: " + before.title},
                  {"after/report.html", "After: " + after.title}};
   Json result{{"title", title}, {"source", after.source}, {"seed", context.seed}};
   result["summary"] = summary_json(parts, context);
   result["comparison"] = parts.back().json;
-  ReportOptions one_page = options;
-  one_page.style = ReportStyle::lab;
-  finish(folder, std::move(frame), parts, one_page, result, context);
+  finish(folder, std::move(frame), parts, options, result, context);
   return result;
 }
 

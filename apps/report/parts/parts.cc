@@ -198,8 +198,6 @@ std::string label_of(std::optional<double> tension_N) {
 
 ReportPart overview_part(const Campaign& campaign, const std::vector<ReportPart>& parts) {
   ReportPart part;
-  part.id = "overview";
-  part.title = "Overview";
   const auto largest = std::ranges::max_element(
       campaign.scenes, {}, [](const auto& one) { return one.scene.members.size(); });
   if (largest != campaign.scenes.end()) part.blocks.push_back(rig_picture(largest->scene));

@@ -166,7 +166,7 @@ class DecayPart : public TestPart {
     Json json{{"file", decay.file},
               {"channel", decay.channel},
               {"origin", word_of(decay.origin)},
-              {"tension_N", recorded.tension_N ? Json(*recorded.tension_N) : Json(nullptr)},
+              {"tension_N", describe::json_of(recorded.tension_N)},
               {"modes", describe::json_of(decay.result.modes)},
               {"decays", describe::json_of(decay.decays)},
               {"law", name_of(decay.result.envelope.law)}};
@@ -356,15 +356,14 @@ class ModalPart : public TestPart {
     if (state.hammer.accepted_hits() > 0) give("frf", signal::uff_text(state.hammer.frfs));
     give("modes", signal::uff_text(modal.model));
     part_.json["states"].push_back(
-        {{"tension_N", state.tension_N ? Json(*state.tension_N) : Json(nullptr)},
+        {{"tension_N", describe::json_of(state.tension_N)},
          {"origin", word_of(state.origin)},
          {"responses", state.channels},
          {"averages", state.hammer.frfs.averages},
          {"frf_form", name_of(state.hammer.frfs.form)},
          {"units", state.hammer.frfs.unit},
          {"band_hz", {modal.low_hz, modal.high_hz}},
-         {"misfit_over_error_bars",
-          modal.misfit_over_error_bars ? Json(*modal.misfit_over_error_bars) : Json(nullptr)},
+         {"misfit_over_error_bars", describe::json_of(modal.misfit_over_error_bars)},
          {"hits", std::move(hits)},
          {"modes", describe::json_of(modal.model.modes)}});
   }
