@@ -19,12 +19,9 @@ class AxialPart : public TestPart {
     part_.json.update(axial_json(result));
     add(part_.blocks, axial_blocks(test_.name, result, &test_));
     part_.brief = {test_.name + "-EA", test_.name + "-lengths"};
-    if (result.test) add_answers(*result.test, result.decays.front().origin);
-    return {std::move(part_)};
-  }
-
- private:
-  void add_answers(const ident::AxialTestResult& r, Origin origin) {
+    if (!result.test) return {std::move(part_)};
+    const auto& r = *result.test;
+    const Origin origin = result.decays.front().origin;
     const std::string how = fmt::format("axial test, {} at {}", counted(r.samples.size(), "record"),
                                         counted(r.lengths.size(), "length"));
     Answer EA = answer("EA", "Cable axial stiffness EA", how, "N", r.EA_N, origin, test_.EA_N);
@@ -36,6 +33,7 @@ class AxialPart : public TestPart {
                             origin, test_.damping_ratio);
     add_answer(part_, std::move(EA));
     add_answer(part_, std::move(damping));
+    return {std::move(part_)};
   }
 };
 
@@ -170,7 +168,7 @@ class DecayPart : public TestPart {
               {"modes", describe::json_of(decay.result.modes)},
               {"decays", describe::json_of(decay.decays)},
               {"law", name_of(decay.result.envelope.law)}};
-    const std::string at = recorded.tension_N ? fmt::format("{:g} N", *recorded.tension_N) : "";
+    const std::string at = label_of(recorded.tension_N);
     add_answers(decay, at.empty() ? at : ", " + at);
     add_rows(table_, {short_name(decay.file), decay.channel, at, "record"},
              describe::table_of(decay.result.modes), decay.origin);
