@@ -1,7 +1,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "apps/cli/exit_code.h"
 #include "apps/cli/verb.h"
 #include "signal/readers/csv_fields.h"
 
