@@ -9,7 +9,6 @@
 #include <iostream>
 #include <sstream>
 
-#include "apps/cli/exit_code.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/verb.h"

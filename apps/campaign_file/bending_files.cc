@@ -1,7 +1,6 @@
 #include "apps/campaign_file/bending_files.h"
 
 #include "apps/campaign_file/recordings.h"
-#include "apps/cli/exit_code.h"
 #include "apps/results/results_json.h"
 #include "model/scene/scene.h"
 #include "signal/numerics/numbers.h"

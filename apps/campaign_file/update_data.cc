@@ -4,8 +4,6 @@
 #include "apps/campaign_file/bending_files.h"
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recordings.h"
-#include "apps/cli/exit_code.h"
-#include "apps/cli/named_numbers.h"
 #include "apps/results/results_json.h"
 #include "ident/campaign/modal/modal_model.h"
 #include "ident/campaign/single_tests/axial_campaign.h"

@@ -1,5 +1,3 @@
-#include "apps/cli/output_file.h"
-
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -10,7 +8,7 @@
 #include <system_error>
 #include <thread>
 
-#include "apps/cli/exit_code.h"
+#include "apps/cli/verb_context.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;

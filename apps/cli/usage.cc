@@ -6,7 +6,6 @@
 
 #include "apps/campaign/campaign.h"
 #include "apps/cli/assets.h"
-#include "apps/cli/exit_code.h"
 #include "apps/cli/verb.h"
 #include "document/toml_table.h"
 

@@ -5,7 +5,6 @@
 #include <iostream>
 #include <system_error>
 
-#include "apps/cli/output_file.h"
 #include "apps/cli/progress.h"
 #include "apps/describe/json_of.h"
 #include "document/document_error.h"
@@ -60,7 +59,8 @@ void VerbContext::say_warnings() const {
 
 void VerbContext::tell(const std::vector<Finding>& findings) {
   for (const auto& one : findings) {
-    const bool ends = one.refused || one.code == "not_converged", note = !ends && is_note(one.code);
+    const bool ends = one.refused || one.code == "not_converged",
+               note = !ends && level_of(one.code) == Level::note;
     (note ? notes_ : warnings_).push_back(one);
     if (!ends && !note) unsaid_.push_back(one);
     if (!ends) continue;
@@ -76,7 +76,7 @@ void VerbContext::tell(const std::vector<Finding>& findings) {
 }
 
 void VerbContext::input(const std::string& path) {
-  if (!known_.insert(path).second) return;
+  if (std::ranges::count(inputs_, path, &Input::path) > 0) return;
   Input one = hashes_inputs ? input_of(path) : Input{path, "", {}};
   const auto twin = std::ranges::find(inputs_, one.sha256, &Input::sha256);
   if (!one.sha256.empty() && twin != inputs_.end() && !path.ends_with(".toml")) {

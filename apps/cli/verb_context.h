@@ -2,17 +2,59 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <ostream>
-#include <unordered_set>
+#include <stdexcept>
 
-#include "apps/cli/exit_code.h"
 #include "apps/cli/warning_lines.h"
 #include "signal/readers/recording_description.h"
 
 namespace rigfit::apps {
 
 using Json = nlohmann::ordered_json;
+
+// How a run ended, as scripts see it, and the exceptions by which a verb ends early.
+
+enum class ExitCode : int {
+  done = 0,
+  fault = 1,  ///< ours
+  wrong_usage = 2,
+  bad_input = 3,  ///< an input cannot be read
+  refused = 4,    ///< the data cannot support what was asked
+  not_converged = 5,
+};
+
+/// Ends a run with an exit code.
+class Ended : public std::runtime_error {
+ public:
+  Ended(const std::string& message, ExitCode code) : std::runtime_error(message), exit_code(code) {}
+  const ExitCode exit_code;
+};
+template <ExitCode kCode>
+struct EndedBy : Ended {
+  explicit EndedBy(const std::string& message) : Ended(message, kCode) {}
+};
+/// The call makes no sense (options that exclude each other, an output folder that is a file).
+using UsageError = EndedBy<ExitCode::wrong_usage>;
+/// A computation did not converge.
+using NotConverged = EndedBy<ExitCode::not_converged>;
+/// An input is no longer what it was when the run began.
+using InputChanged = EndedBy<ExitCode::bad_input>;
+/// An output cannot be written: path, reason and remedy.
+using OutputError = EndedBy<ExitCode::bad_input>;
+
+/// Ends a verb without a result: the data cannot support what was asked. A verb that has a partial
+/// result sets `VerbContext::exit_code` by `refuse` instead and returns that result. `code` is the
+/// finding's code, which stays the same from version to version.
+struct Refused : EndedBy<ExitCode::refused> {
+  explicit Refused(const std::string& message, std::string finding_code = "refused")
+      : EndedBy(message), code(std::move(finding_code)) {}
+  const std::string code;
+};
+
+/// The exit code that an exception stands for.
+[[nodiscard]] ExitCode exit_code_of(const std::exception& error);
 
 struct PlotSheet;  // apps/cli/plots/plot_option.h
 struct AtHand;     // apps/campaign_file/recordings.h
@@ -28,6 +70,16 @@ struct Input {
 [[nodiscard]] std::string sha256(std::string_view bytes);
 /// Empty for what is no regular file or cannot be read: whoever reads it says why.
 [[nodiscard]] std::string sha256_of_file(const std::filesystem::path& path);
+
+// Files written whole or not at all (output_file.cc).
+
+/// Writes beside the target under a temporary name, flushes to disk, then renames. Links are
+/// followed; a device or pipe is written through (a pipe's reader is waited for). Throws
+/// OutputError with path, reason and remedy; a regular target is then as it was.
+void write_whole_file(const std::filesystem::path& path, std::string_view content);
+
+/// Creates the folder (and parents). Throws OutputError.
+void make_output_folder(const std::filesystem::path& folder);
 
 class VerbContext {
  public:
@@ -91,7 +143,6 @@ class VerbContext {
   Finding ended_by_;             ///< the first finding that gave the run its exit code
   std::vector<Finding> unsaid_;  ///< warnings to be said at the end
   std::vector<Input> inputs_;
-  std::unordered_set<std::string> known_;
 };
 
 }  // namespace rigfit::apps

@@ -16,7 +16,6 @@ using ident::Finding;
 enum class Level { answer_may_be_wrong, look_at, taken_as_said, note };
 
 [[nodiscard]] Level level_of(std::string_view code);
-[[nodiscard]] inline bool is_note(std::string_view code) { return level_of(code) == Level::note; }
 
 /// Findings of one code, told once: the first one and where all of them are. A refusal stands by
 /// itself.
@@ -26,7 +25,7 @@ struct FindingKind {
   std::size_t count = 1;
   std::string title = {}, anchor = {};  ///< the part of a report that says more
 
-  [[nodiscard]] bool note() const { return !first.refused && is_note(first.code); }
+  [[nodiscard]] bool note() const { return !first.refused && level_of(first.code) == Level::note; }
   /// The first four places without their folders.
   [[nodiscard]] std::string listed() const;
 };

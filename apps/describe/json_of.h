@@ -46,10 +46,6 @@ struct Held<std::optional<M>> {
   using type = M;
 };
 
-[[nodiscard]] inline Json number_json(double x) {
-  return std::isfinite(x) ? Json(x) : Json(nullptr);
-}
-
 /// Numbers that are not finite and empty optionals are null: a document of a kind has all its keys.
 template <class M>
 [[nodiscard]] Json json_of(const M& x) {
@@ -62,23 +58,23 @@ template <class M>
   } else if constexpr (requires { x.has_value(); }) {
     return x ? json_of(*x) : Json(nullptr);
   } else if constexpr (estimate<M>) {
-    Json one{{"value", number_json(x.value)}, {"std", number_json(x.std)}};
+    Json one{{"value", json_of(x.value)}, {"std", json_of(x.std)}};
     if constexpr (requires { x.low; }) {
-      one["low"] = number_json(x.low), one["high"] = number_json(x.high);
+      one["low"] = json_of(x.low), one["high"] = json_of(x.high);
     }
     if constexpr (requires { x.one_sided; }) {
       if (x.one_sided) one["bound"] = "lower";
     }
     return one;
   } else if constexpr (std::is_base_of_v<Ends, M>) {
-    return {number_json(x.low), number_json(x.high)};
+    return {json_of(x.low), json_of(x.high)};
   } else if constexpr (std::is_floating_point_v<M>) {
-    return number_json(x);
+    return std::isfinite(x) ? Json(x) : Json(nullptr);
   } else if constexpr (std::is_same_v<M, std::complex<double>>) {
-    return {{"re", number_json(x.real())}, {"im", number_json(x.imag())}};
+    return {{"re", json_of(x.real())}, {"im", json_of(x.imag())}};
   } else if constexpr (std::is_same_v<M, ByName>) {
     Json all = Json::object();
-    for (const auto& [name, value] : x.all) all[name] = number_json(value);
+    for (const auto& [name, value] : x.all) all[name] = json_of(value);
     return all;
   } else if constexpr (matrix<M>) {
     Json rows = Json::array();

@@ -108,20 +108,16 @@ std::string head_text(std::string_view label, std::string_view unit) {
 }
 
 void print(std::ostream& out, const Table& table) {
-  std::vector<std::size_t> widths;
-  std::vector<bool> shown;
-  for (std::size_t c = 0; c < table.heads.size(); ++c) {
-    widths.push_back(table.heads[c].size());
-    shown.push_back(false);
-    for (const auto& row : table.rows) {
-      widths[c] = std::max(widths[c], row[c].size());
-      if (!blank(row[c])) shown[c] = true;
-    }
+  std::vector<std::size_t> widths(table.heads.size());  // 0: nothing to show
+  for (std::size_t c = 0; c < widths.size(); ++c) {
+    if (std::ranges::all_of(table.rows, [&](const auto& row) { return blank(row[c]); })) continue;
+    widths[c] = table.heads[c].size();
+    for (const auto& row : table.rows) widths[c] = std::max(widths[c], row[c].size());
   }
   const auto line = [&](const std::vector<std::string>& cells) {
     std::string text;
     for (std::size_t c = 0; c < cells.size(); ++c) {
-      if (shown[c])
+      if (widths[c] > 0)
         text += (text.empty() ? "" : "  ") + padded(cells[c], widths[c], table.numeric[c]);
     }
     while (text.ends_with(' ')) text.pop_back();

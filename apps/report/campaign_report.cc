@@ -4,7 +4,6 @@
 #include <fstream>
 #include <span>
 
-#include "apps/cli/output_file.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "apps/describe/json_of.h"
@@ -29,8 +28,8 @@ std::string csv_of(const Picture& picture) { return picture.csv; }
 std::string svg_of(const Plot& plot, const SvgOptions& options) { return svg_plot(plot, options); }
 std::string svg_of(const Picture& picture, const SvgOptions&) { return picture.svg; }
 
-void write_pdfs(const fs::path& folder, const ReportOptions& options, VerbContext& context) {
-  const fs::path browser = find_chromium();
+void write_pdfs(const fs::path& folder, ReportStyle style, VerbContext& context) {
+  const std::string browser = find_chromium();
   if (browser.empty()) {
     context.refuse(
         "no_browser",
@@ -40,7 +39,7 @@ void write_pdfs(const fs::path& folder, const ReportOptions& options, VerbContex
     return;
   }
   std::vector<std::string> names{"report"};
-  if (options.style == ReportStyle::client) names.emplace_back("appendix");
+  if (style == ReportStyle::client) names.emplace_back("appendix");
   for (const auto& name : names) {
     const fs::path part = folder / (name + ".part.pdf"), pdf = folder / (name + ".pdf");
     std::error_code error;
@@ -51,42 +50,31 @@ void write_pdfs(const fs::path& folder, const ReportOptions& options, VerbContex
     if (printed) fs::rename(part, pdf, error);
     if (!printed || error) {
       fs::remove(part, error);
-      context.refuse("not_printed", fmt::format("{} did not print {}.html", browser.string(), name),
+      context.refuse("not_printed", fmt::format("{} did not print {}.html", browser, name),
                      name + ".pdf");
     }
   }
 }
 
-/// Throws UsageError when the folder holds another report: neither of this title nor of this file.
-void require_own_report(const fs::path& folder, const std::string& title,
-                        const std::string& campaign) {
-  std::ifstream file(folder / "report.json");
-  if (!file) return;
-  const Json before = Json::parse(file, nullptr, false);
-  const bool report =
-      before.is_object() && before.value("command", Json()) == "report" && before.contains("title");
-  const Json inputs = report ? before.value("inputs", Json::array()) : Json::array();
-  const auto from_this = [&](const Json& input) { return input.value("path", "") == campaign; };
-  if (report && (before["title"] == Json(title) || std::ranges::any_of(inputs, from_this))) return;
-  throw UsageError(fmt::format(
-      "{} holds {}, this campaign is {}: name another folder by --out, or "
-      "replace that report by --force",
-      (folder / "report.json").string(),
-      report ? before["title"].dump() : "a file of something else", Json(title).dump()));
-}
-
-/// All figures of the parts that have data, for the document.
-Json figure_list(std::span<const ReportPart> parts) {
-  Json figures = Json::array();
-  for (const auto& part : parts) {
-    each_figure(part.blocks, [&](const auto& figure, const std::string&) {
-      figures.push_back({{"id", figure.id},
-                         {"title", figure.title},
-                         {"data", "data/" + figure.id + ".csv"},
-                         {"figure", "figures/" + figure.id + ".svg"}});
-    });
+/// Makes the folder. Throws UsageError when it holds another report, neither of this title nor of
+/// this file, unless `force`.
+void begin_folder(const fs::path& folder, const std::string& title, const std::string& campaign,
+                  bool force) {
+  if (std::ifstream file(folder / "report.json"); file && !force) {
+    const Json before = Json::parse(file, nullptr, false);
+    const bool report = before.is_object() && before.value("command", Json()) == "report" &&
+                        before.contains("title");
+    const Json inputs = report ? before.value("inputs", Json::array()) : Json::array();
+    const auto from_this = [&](const Json& input) { return input.value("path", "") == campaign; };
+    if (!report || (before["title"] != Json(title) && std::ranges::none_of(inputs, from_this))) {
+      throw UsageError(fmt::format(
+          "{} holds {}, this campaign is {}: name another folder by --out, or "
+          "replace that report by --force",
+          (folder / "report.json").string(),
+          report ? before["title"].dump() : "a file of something else", Json(title).dump()));
+    }
   }
-  return figures;
+  make_output_folder(folder);
 }
 
 /// Every answer of the parts, in their order.
@@ -96,47 +84,6 @@ std::vector<Answer> all_answers(std::span<const ReportPart> parts) {
     answers.insert(answers.end(), part.answers.begin(), part.answers.end());
   }
   return answers;
-}
-
-/// Writes everything: page, figures, data, files for other programs, and report.json, of which
-/// `document` is the text, made beside the figures. `parts`: the overview first.
-void write_report_files(const fs::path& folder, const PageFrame& frame,
-                        std::span<const ReportPart> parts, const ReportOptions& options,
-                        const std::function<std::string()>& document, VerbContext& context) {
-  for (const char* name : {"data", "figures"}) make_output_folder(folder / name);
-  const auto& overview = parts.front();
-  const auto rest = parts.subspan(1);
-  std::string json, page, appendix;
-  std::vector<std::function<void()>> tasks{[&] { page = report_page(frame, overview, rest); },
-                                           [&] { json = document(); }};
-  if (options.style == ReportStyle::client) {
-    tasks.emplace_back([&] { appendix = appendix_page(frame, rest); });
-  }
-  for (const auto& part : parts) {
-    for (const auto& [file, content] : part.files) {
-      make_output_folder((folder / file).parent_path());
-      put(folder / file, content);
-    }
-    each_figure(part.blocks, [&](const auto& figure, const std::string&) {
-      tasks.emplace_back([&folder, &figure, &options] {
-        put(folder / "data" / (figure.id + ".csv"), csv_of(figure));
-        put(folder / "figures" / (figure.id + ".svg"),
-            standalone_svg(svg_of(figure, options.figures)));
-      });
-    });
-  }
-  const auto answers = all_answers(parts);
-  tasks.emplace_back([&] { put(folder / "data" / "results.csv", answers_csv(answers)); });
-  ident::in_parallel(tasks.size(), context.threads, [&](std::size_t i) { tasks[i](); });
-  write_whole_file(folder / "report.json", json);
-  write_whole_file(folder / "report.html", page);
-  std::error_code error;
-  if (appendix.empty()) {
-    fs::remove(folder / "appendix.html", error);
-  } else {
-    write_whole_file(folder / "appendix.html", appendix);
-  }
-  if (options.pdf) write_pdfs(folder, options, context);
 }
 
 /// The lines of the summary: for the document, and on the terminal.
@@ -151,22 +98,50 @@ Json summary_json(const std::vector<ReportPart>& parts, VerbContext& context) {
   return summary;
 }
 
-void begin_folder(const fs::path& folder, const std::string& title, const std::string& campaign,
-                  const ReportOptions& options) {
-  if (!options.force) require_own_report(folder, title, campaign);
-  make_output_folder(folder);
-}
-
-/// Adds what every document has and writes all files. `parts`: the overview first.
-void finish(const fs::path& folder, PageFrame frame, const std::vector<ReportPart>& parts,
+/// Adds what every document has and writes everything: page, figures, data, files for other
+/// programs, and report.json, whose text is made beside the figures. `parts`: the overview first.
+void finish(const fs::path& folder, PageFrame frame, std::span<const ReportPart> parts,
             const ReportOptions& options, Json& result, VerbContext& context) {
   frame.repeat = repeat_command(context);
   for (const auto& input : context.inputs()) frame.inputs.emplace_back(input.path, input.sha256);
-  result["figures"] = figure_list(parts);
   context.check_inputs();
-  write_report_files(
-      folder, frame, parts, options,
-      [&] { return context.document("report", result).dump(2) + "\n"; }, context);
+  for (const char* name : {"data", "figures"}) make_output_folder(folder / name);
+  const auto rest = parts.subspan(1);
+  std::string json, page, appendix;
+  std::vector<std::function<void()>> tasks{
+      [&] { page = report_page(frame, parts.front(), rest); },
+      [&] { json = context.document("report", result).dump(2) + "\n"; }};
+  if (frame.style == ReportStyle::client) {
+    tasks.emplace_back([&] { appendix = appendix_page(frame, rest); });
+  }
+  result["figures"] = Json::array();
+  for (const auto& part : parts) {
+    for (const auto& [file, content] : part.files) {
+      make_output_folder((folder / file).parent_path());
+      put(folder / file, content);
+    }
+    each_figure(part.blocks, [&](const auto& figure, const std::string&) {
+      const std::string data = "data/" + figure.id + ".csv", svg = "figures/" + figure.id + ".svg";
+      result["figures"].push_back(
+          {{"id", figure.id}, {"title", figure.title}, {"data", data}, {"figure", svg}});
+      tasks.emplace_back([&folder, &figure, &options, data, svg] {
+        put(folder / data, csv_of(figure));
+        put(folder / svg, standalone_svg(svg_of(figure, options.figures)));
+      });
+    });
+  }
+  tasks.emplace_back(
+      [&] { put(folder / "data" / "results.csv", answers_csv(all_answers(parts))); });
+  ident::in_parallel(tasks.size(), context.threads, [&](std::size_t i) { tasks[i](); });
+  write_whole_file(folder / "report.json", json);
+  write_whole_file(folder / "report.html", page);
+  std::error_code error;
+  if (appendix.empty()) {
+    fs::remove(folder / "appendix.html", error);
+  } else {
+    write_whole_file(folder / "appendix.html", appendix);
+  }
+  if (options.pdf) write_pdfs(folder, frame.style, context);
   context.out << fmt::format("report: {}\n", (folder / "report.html").string());
 }
 
@@ -246,7 +221,7 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
 
 Json campaign_report(const Campaign& campaign, const fs::path& folder, const ReportOptions& options,
                      VerbContext& context, std::vector<Answer>* given) {
-  begin_folder(folder, campaign.title, campaign.file, options);
+  begin_folder(folder, campaign.title, campaign.file, options.force);
   take_inputs(campaign, context);
   PageFrame frame{campaign.title, campaign.source, campaign.description, campaign.report,
                   options.style};
@@ -293,24 +268,21 @@ Json compared_campaigns(const Campaign& before, const Campaign& after, const fs:
                         const ReportOptions& options, VerbContext& context) {
   const std::string title = after.title == before.title ? before.title + ": before and after"
                                                         : before.title + " against " + after.title;
-  begin_folder(folder, title, "", options);  // no campaign by itself has its report there
+  begin_folder(folder, title, "", options.force);  // no campaign by itself has its report there
   ComparedReport first{before}, second{after};
   static_cast<void>(campaign_report(before, folder / "before", options, context, &first.answers));
   static_cast<void>(campaign_report(after, folder / "after", options, context, &second.answers));
   std::vector<ReportPart> parts{{}, compare_reports(first, second)};
-  parts.front().id = "overview";
   PageFrame frame{title, "",
                   fmt::format("Before: {} ({}). After: {} ({}).", before.title, before.file,
                               after.title, after.file),
-                  after.report};
+                  after.report};  // one page
   frame.links = {{"before/report.html", "Before: " + before.title},
                  {"after/report.html", "After: " + after.title}};
   Json result{{"title", title}, {"source", after.source}, {"seed", context.seed}};
   result["summary"] = summary_json(parts, context);
   result["comparison"] = parts.back().json;
-  ReportOptions one_page = options;
-  one_page.style = ReportStyle::lab;
-  finish(folder, std::move(frame), parts, one_page, result, context);
+  finish(folder, std::move(frame), parts, options, result, context);
   return result;
 }
 

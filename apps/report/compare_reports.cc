@@ -104,21 +104,18 @@ std::string shown_side(const Answer* answer) { return answer ? value_words(*answ
 
 /// The change for the first page.
 Answer answer_of(const Change& change) {
-  Answer answer;
-  answer.key = change.after->key;
-  answer.quantity = change.quantity();
-  answer.how =
-      fmt::format("{} before, {} after", shown_side(change.before), shown_side(change.after));
-  answer.unit = change.after->unit;
-  answer.value = change.value;
-  answer.std = change.std;
-  answer.verdict = change.verdict;
-  if (std::isfinite(change.relative)) {
-    answer.verdict += fmt::format(" ({})", shown_percent(change.relative));
-  }
-  answer.anchor = "comparison";
-  answer.rank = change.changed ? 0 : 1;
-  return answer;
+  const std::string relative =
+      std::isfinite(change.relative) ? fmt::format(" ({})", shown_percent(change.relative)) : "";
+  return {.key = change.after->key,
+          .quantity = change.quantity(),
+          .how = fmt::format("{} before, {} after", shown_side(change.before),
+                             shown_side(change.after)),
+          .unit = change.after->unit,
+          .value = change.value,
+          .std = change.std,
+          .anchor = "comparison",
+          .verdict = change.verdict + relative,
+          .rank = change.changed ? 0 : 1};
 }
 
 }  // namespace

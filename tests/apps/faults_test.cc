@@ -12,7 +12,6 @@
 #include <cstdlib>
 #include <thread>
 
-#include "apps/cli/exit_code.h"
 #include "apps/cli/verb_context.h"
 #include "tests/apps/apps_test.h"
 

@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "apps/cli/output_file.h"
 #include "apps/report/page/block_html.h"
 #include "signal/readers/csv_fields.h"
 

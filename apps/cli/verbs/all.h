@@ -3,7 +3,6 @@
 
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/recordings.h"
-#include "apps/cli/named_numbers.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verb.h"
 #include "apps/describe/json_of.h"

@@ -42,8 +42,7 @@ Json run(AxialCommand& command, VerbContext& context) {
   for (std::size_t i = 0; i < command.files.size(); ++i) {
     signal::Recording recording = load_recording(command.files[i], context);
     (void)chosen_channel(recording, inputs.channel);
-    const std::string name = recording.path.string();
-    inputs.recordings.push_back({name, std::move(recording), lengths[i]});
+    inputs.recordings.push_back({recording.path.string(), std::move(recording), lengths[i]});
   }
   const auto result = ident::axial_campaign(inputs);
   context.tell(result.findings);

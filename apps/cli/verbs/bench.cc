@@ -64,16 +64,15 @@ struct Bench {
 
 /// Time against error, a series a method; without series where nothing has a time and an error.
 Plot plot_of(const Bench& bench) {
-  Plot plot;
-  plot.id = "nonlinear-response";
-  plot.title = "Response of " + bench.scene;
-  plot.caption = fmt::format(
-      "Time of one core, and error of {}, against {}, itself good to {:.1e}. Further left is "
-      "faster, further down is better.",
-      bench.error_of, bench.reference, bench.reference_error);
-  plot.x_label = "time, s";
-  plot.y_label = "relative error";
-  plot.log_x = plot.log_y = true;
+  Plot plot{"nonlinear-response",
+            "Response of " + bench.scene,
+            fmt::format("Time of one core, and error of {}, against {}, itself good to {:.1e}. "
+                        "Further left is faster, further down is better.",
+                        bench.error_of, bench.reference, bench.reference_error),
+            "time, s",
+            "relative error",
+            true,
+            true};
   auto rows = bench.rows;
   // What failed has no error of its own.
   std::erase_if(rows, [](const BenchRow& row) {

@@ -1,6 +1,5 @@
 // rigfit export: a scene as the input of other programs.
 
-#include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
 #include "ident/predict/scene_prediction.h"
 #include "model/export/write_calculix.h"
@@ -29,19 +28,6 @@ struct ExportResult {
   }
 };
 
-/// Writes a deck, with `comments` before it that begin with `mark`; its name goes to `result`.
-void write_deck(const std::filesystem::path& path, const auto& deck, const char* mark,
-                const std::vector<std::string>& comments, const std::string& scene,
-                ExportResult& result, VerbContext& context) {
-  for (const auto& note : deck.notes) context.warn("not_exported_exactly", note, scene);
-  make_output_folder(path.parent_path());
-  std::string all;
-  for (const auto& line : comments) all += fmt::format("{} {}\n", mark, line);
-  context.write(path, all + deck.text);
-  context.out << fmt::format("wrote {}\n", path.string());
-  result.files.push_back(path.string());
-}
-
 Json run(ExportOptions& options, VerbContext& context) {
   if (options.calculix.empty() && options.moordyn.empty()) {
     throw UsageError("give --calculix DIR or --moordyn DIR");
@@ -65,17 +51,24 @@ Json run(ExportOptions& options, VerbContext& context) {
                        ": no equilibrium to export: " + analysis.equilibrium.reason);
   }
   ExportResult result;
-  const auto path = [&](const std::string& folder, const char* end) {
-    return std::filesystem::path(folder) / (stem + end);
+  // `mark` begins a line of comments.
+  const auto write_deck = [&](const std::string& folder, const char* end, const char* mark,
+                              const auto& deck) {
+    for (const auto& note : deck.notes) context.warn("not_exported_exactly", note, options.scene);
+    const auto path = std::filesystem::path(folder) / (stem + end);
+    make_output_folder(path.parent_path());
+    std::string all;
+    for (const auto& line : comments) all += fmt::format("{} {}\n", mark, line);
+    context.write(path, all + deck.text);
+    context.out << fmt::format("wrote {}\n", path.string());
+    result.files.push_back(path.string());
   };
   if (!options.moordyn.empty()) {
-    write_deck(path(options.moordyn, ".txt"), model::moordyn_input(scene, analysis.equilibrium),
-               "!", comments, options.scene, result, context);
+    write_deck(options.moordyn, ".txt", "!", model::moordyn_input(scene, analysis.equilibrium));
   }
   if (!options.calculix.empty()) {
     const auto deck = model::calculix_deck(scene, analysis.equilibrium, options.deck);
-    write_deck(path(options.calculix, ".inp"), deck, "**", comments, options.scene, result,
-               context);
+    write_deck(options.calculix, ".inp", "**", deck);
     context.out << fmt::format("run it there with: ccx {}\n", stem);
     result.members = deck.members;
   }

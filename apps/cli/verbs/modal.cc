@@ -38,13 +38,12 @@ void print_modes(VerbContext& context, std::vector<Mode> modes, bool all) {
 // Modes from motion under unknown forces, one or several set-ups.
 
 signal::AmbientResult analysed(const ModalCommand& command, VerbContext& context) {
-  signal::AmbientOptions options;
-  options.channels = command.impact.hammer.responses;
-  options.references = command.references;
+  signal::AmbientOptions options{.channels = command.impact.hammer.responses,
+                                 .references = command.references,
+                                 .threads = context.threads};
   if (const auto& band = command.band()) std::tie(options.low_hz, options.high_hz) = *band;
   // The usual order of FRFs is not that of half spectra.
   if (command.order != ModalCommand().order) options.max_order = command.order;
-  options.threads = context.threads;
   std::vector<signal::AmbientResult> setups;
   for (const auto& file : command.files) {
     // One recording is held at a time: a day of many channels fills the memory.

@@ -5,7 +5,6 @@
 
 #include "apps/campaign_file/bending_files.h"
 #include "apps/cli/assets.h"
-#include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
 #include "signal/ambient/ambient_modes.h"
 #include "signal/decay/decay.h"

@@ -3,7 +3,6 @@
 #include <random>
 
 #include "apps/campaign_file/bending_files.h"
-#include "apps/cli/output_file.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/verbs/all.h"
 #include "ident/virtual_rig/virtual_bench.h"

@@ -46,8 +46,7 @@ Json run(TensionCommand& command, VerbContext& context) {
   }
   for (const auto& file : command.files) {
     auto recording = load_recording(file, context);
-    const std::string name = recording.path.string();
-    inputs.recordings.push_back({name, std::move(recording)});
+    inputs.recordings.push_back({recording.path.string(), std::move(recording)});
   }
   const auto campaign = ident::tension_campaign(inputs);
   if (!campaign.modes.empty()) ident::check_cable(inputs.cable, campaign.modes);

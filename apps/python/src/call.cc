@@ -15,7 +15,6 @@
 #include <thread>
 
 #include "apps/campaign_file/recordings.h"
-#include "apps/cli/exit_code.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/verb.h"

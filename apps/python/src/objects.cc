@@ -7,7 +7,6 @@
 #include <array>
 
 #include "apps/campaign_file/recordings.h"
-#include "apps/cli/exit_code.h"
 #include "apps/python/src/call.h"
 #include "model/frfs/frf_synthesis.h"
 #include "model/scene/parameters.h"

@@ -20,11 +20,7 @@ std::string escaped(std::string_view text) {
     const auto at = std::string_view("&<>\"'").find(c);
     static constexpr std::array<const char*, 5> kWritten{"&amp;", "&lt;", "&gt;", "&quot;",
                                                          "&#39;"};
-    if (at == std::string_view::npos) {
-      result += c;
-    } else {
-      result += kWritten[at];
-    }
+    at == std::string_view::npos ? result += c : result += kWritten[at];
   }
   return result;
 }
@@ -46,8 +42,8 @@ std::string shown(double value, int digits) {
 std::string shown_percent(double ratio) {
   if (!std::isfinite(ratio)) return "–";
   const double percent = 100 * ratio;
-  std::string text = std::abs(percent) < 10 ? fmt::format("{:.2f}", std::abs(percent))
-                                            : fmt::format("{:.1f}", std::abs(percent));
+  const std::string text =
+      fmt::format("{:.{}f}", std::abs(percent), std::abs(percent) < 10 ? 2 : 1);
   const bool zero = text.find_first_not_of("0.") == std::string::npos;
   return (zero ? "" : ratio < 0 ? "−" : "+") + text + " %";
 }

@@ -81,12 +81,10 @@ std::string plot_csv(const Plot& plot) {
     for (std::size_t i = 0; i < series.x.size(); ++i) {
       text += head;
       cell(series.x[i]);
-      text += ',';
-      cell(series.y[i]);
-      text += ',';
-      if (i < series.low.size()) cell(series.low[i]);
-      text += ',';
-      if (i < series.high.size()) cell(series.high[i]);
+      for (const auto* column : {&series.y, &series.low, &series.high}) {
+        text += ',';
+        if (i < column->size()) cell((*column)[i]);
+      }
       text += '\n';
     }
   }
@@ -100,20 +98,21 @@ std::size_t palette_place(int number) {
 const char* series_colour(int number) { return kSeriesColours[palette_place(number)].on_light; }
 
 std::string palette_css() {
-  std::string light, dark, series;
+  std::string light, dark, classes;
   for (const auto& origin : kOrigins) {
     light += fmt::format("--{}:{};", origin.word, origin.colour.on_light);
     dark += fmt::format("--{}:{};", origin.word, origin.colour.on_dark);
+    classes += fmt::format(".o-{0}{{color:var(--{0})}}", origin.word);
   }
   for (std::size_t k = 0; k < kSeriesColours.size(); ++k) {
     light += fmt::format("--s{}:{};", k, kSeriesColours[k].on_light);
     dark += fmt::format("--s{}:{};", k, kSeriesColours[k].on_dark);
-    series += fmt::format("svg .s{0}{{color:var(--s{0});stroke:var(--s{0});fill:var(--s{0})}}", k);
+    classes += fmt::format("svg .s{0}{{color:var(--s{0});stroke:var(--s{0});fill:var(--s{0})}}", k);
   }
   return fmt::format(
       ":root{{{0}}}\n@media (prefers-color-scheme:dark){{:root{{{1}}}}}\n@media "
       "print{{:root{{{0}}}}}\n{2}\n",
-      light, dark, series);
+      light, dark, classes);
 }
 
 }  // namespace rigfit::apps

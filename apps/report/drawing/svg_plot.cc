@@ -212,9 +212,8 @@ std::string line(const PlotSeries& series, const SeriesLook& look, const SvgAxis
 /// One figure being laid out and drawn.
 class SvgFigure {
  public:
-  SvgFigure(const Plot& plot, const SvgOptions& options) : plot_(plot), options_(options) {
-    x_ = axis_of(plot, true);
-    y_ = axis_of(plot, false);
+  SvgFigure(const Plot& plot, const SvgOptions& options)
+      : plot_(plot), options_(options), x_(axis_of(plot, true)), y_(axis_of(plot, false)) {
     lay_out();
   }
 
@@ -236,7 +235,6 @@ class SvgFigure {
  private:
   struct Entry {
     const PlotSeries* series = nullptr;
-    std::string name;
     double width = 0;
   };
 
@@ -258,7 +256,7 @@ class SvgFigure {
         rows_.emplace_back();
         row_width = 0;
       }
-      rows_.back().push_back({&one, name, width});
+      rows_.back().push_back({&one, width});
       row_width += width;
     }
     const double bottom = 52 + 20 * static_cast<double>(rows_.size());
@@ -331,7 +329,6 @@ class SvgFigure {
   }
 
   void marks() {
-    std::string labels;
     double last = -1e9;
     for (const auto& mark : plot_.marks) {
       if (!x_.shows(mark.x) || mark.x < x_.low || mark.x > x_.high) continue;
@@ -342,13 +339,12 @@ class SvgFigure {
       const double half = 0.5 * kCharacter * characters(mark.label);
       if (at - half < last) continue;  // no room beside the one before
       last = at + half + 4;
-      labels += fmt::format(
+      labels_ += fmt::format(
           "<text class=\"t at\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" "
           "fill=\"#222\">{}</text>\n",
           std::clamp(at, x_.from + half, std::max(x_.from + half, x_.to - half)), y_.to - 6,
           escaped(mark.label));
     }
-    labels_ = std::move(labels);
   }
 
   [[nodiscard]] bool overlaid() const {
@@ -401,7 +397,7 @@ class SvgFigure {
           svg_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"1.8\"/>", middle, height);
         }
         svg_ += marker(look, middle, height);
-        text(x + 30, y, "start", entry.name, " stroke=\"none\"");
+        text(x + 30, y, "start", group_of(*entry.series), " stroke=\"none\"");
         svg_ += "</g>\n";
         x += entry.width;
       }
@@ -449,7 +445,6 @@ std::vector<double> axis_ticks(double low, double high, int count, bool logarith
 
 std::string standalone_svg(const std::string& svg) {
   const auto end = svg.find('>');
-  if (end == std::string::npos) return svg;
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + svg.substr(0, end + 1) +
          "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>" + svg.substr(end + 1);
 }

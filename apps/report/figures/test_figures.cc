@@ -255,7 +255,6 @@ std::vector<Block> bending_blocks(const std::string& id, const ident::BendingCam
 // Tension from frequencies ------------------------------------------------------------------------
 
 std::vector<Block> tension_blocks(const std::string& id, const ident::TensionResult& result) {
-  if (result.candidates.empty()) return {};
   const auto& best = result.candidates.front();
   Plot frequencies{id + "-frequencies", "Frequencies over mode number",
                    "Measured, and the model's with each kind of ends.", "mode number",

@@ -16,21 +16,51 @@ constexpr std::size_t kMostTabs = 60;  // states of a group of figures on the pa
 Picture picture_of(const Plot& plot) { return {plot.id, plot.title, "", svg_plot(plot), ""}; }
 const Picture& picture_of(const Picture& picture) { return picture; }
 
+/// "Figure 3.", "Table 2."
+std::string numbered(const char* what, int number) {
+  return fmt::format("<span class=\"number\">{}&nbsp;{}.</span>", what, number);
+}
+
 }  // namespace
+
+void add_rows(ReportTable& table, std::vector<Cell> front, const describe::Table& rows,
+              std::optional<Origin> origin) {
+  const bool first = table.columns.size() == front.size();
+  for (std::size_t c = 0; c < rows.heads.size() && first; ++c) {
+    table.columns.push_back({with_signs(rows.heads[c]), std::nullopt, rows.numeric[c]});
+  }
+  for (const auto& row : rows.rows) {
+    auto& cells = table.rows.emplace_back(front);
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      Cell& cell = cells.emplace_back(with_signs(row[c]));
+      if (rows.numeric[c]) cell.origin = origin;
+      cell.doubtful = (rows.heads[c] == "remark" && !row[c].empty() && row[c] != "-") ||
+                      row[c].starts_with("rejected: ");
+    }
+    front.assign(front.size(), Cell());
+  }
+}
+
+ReportTable described_table(const std::string& id, const std::string& caption,
+                            const describe::Table& table, std::optional<Origin> origin) {
+  ReportTable shown{id, caption};
+  add_rows(shown, {}, table, origin);
+  return shown;
+}
+
+ReportTable described_table(const std::string& id, const std::string& caption,
+                            const std::vector<describe::Sheet::Line>& lines,
+                            std::optional<Origin> origin) {
+  ReportTable shown{id, caption, {{"quantity", {}, false}, {"value", origin}}};
+  for (const auto& line : lines) shown.rows.push_back({line.label, with_signs(line.text)});
+  return shown;
+}
 
 void BlockHtml::add(const Block& block) {
   std::visit([this](const auto& b) { add(b); }, block);
 }
 
 std::string BlockHtml::taken() { return std::exchange(html_, {}); }
-
-std::string BlockHtml::links_to(const std::string& id) const {
-  if (!files_) return "";
-  return fmt::format(
-      " <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a>, <a "
-      "href=\"data/{0}.csv\">CSV</a></span>",
-      escaped(id));
-}
 
 std::string BlockHtml::head(const std::string& title, const std::string& more) {
   return fmt::format(
@@ -46,11 +76,17 @@ std::string BlockHtml::head(const std::string& title, const std::string& more) {
 std::string BlockHtml::script() { return fmt::format("<script>{}</script>\n", assets::figures_js); }
 
 void BlockHtml::add_figure(const auto& figure, const std::string& content) {
+  const std::string links =
+      files_ ? fmt::format(
+                   " <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a>, <a "
+                   "href=\"data/{0}.csv\">CSV</a></span>",
+                   escaped(figure.id))
+             : "";
   html_ += fmt::format(
       "<figure id=\"{0}\" aria-labelledby=\"{0}-title\"><h{1} id=\"{0}-title\">{2}</h{1}>\n"
       "{3}\n<figcaption>{5} {4}{6}</figcaption>\n</figure>\n",
       escaped(figure.id), heading_, escaped(figure.title), content, escaped(figure.caption),
-      number("Figure", ++figures_), links_to(figure.id));
+      numbered("Figure", ++figures_), links);
 }
 
 void BlockHtml::add(const Picture& picture) {
@@ -61,10 +97,6 @@ void BlockHtml::add(const Plot& plot) {
   add_figure(plot, fmt::format("<div class=\"plot\">{}</div><div class=\"readout\" "
                                "aria-live=\"polite\"></div>",
                                svg_plot(plot, {.width = kPageWidth, .height = kPageHeight})));
-}
-
-std::string BlockHtml::number(const char* what, int number) {
-  return fmt::format("<span class=\"number\">{}&nbsp;{}.</span>", what, number);
 }
 
 void BlockHtml::add(const Paragraph& paragraph) {
@@ -92,7 +124,7 @@ void BlockHtml::add(const ReportTable& table) {
   html_ += fmt::format(
       "<div class=\"table\"><table id=\"{}\" class=\"{}{}\"><caption>{} {}</caption>\n<thead><tr>",
       escaped(table.id), table.rows.size() <= 12 ? "short" : "",
-      columns <= kNarrow ? " narrow" : "", number("Table", ++tables_), escaped(table.caption));
+      columns <= kNarrow ? " narrow" : "", numbered("Table", ++tables_), escaped(table.caption));
   for (std::size_t i = 0; i < table.columns.size(); ++i) {
     if (!shown_column[i]) continue;
     const auto& column = table.columns[i];
@@ -106,12 +138,10 @@ void BlockHtml::add(const ReportTable& table) {
   for (const auto& row : table.rows) {
     const bool starts = grouped && !row[0].text.empty();
     html_ += starts ? "<tr class=\"state\">" : "<tr>";
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      if (i < shown_column.size() && !shown_column[i]) continue;
-      std::string css;
-      if (i < table.columns.size() && table.columns[i].numeric) css += "n";
-      const auto origin =
-          row[i].origin || i >= table.columns.size() ? row[i].origin : table.columns[i].origin;
+    for (std::size_t i = 0; i < std::min(row.size(), shown_column.size()); ++i) {
+      if (!shown_column[i]) continue;
+      std::string css = table.columns[i].numeric ? "n" : "";
+      const auto origin = row[i].origin ? row[i].origin : table.columns[i].origin;
       if (origin) css += fmt::format(" o-{}", word_of(*origin));
       if (row[i].doubtful) css += " doubt";
       std::string text = escaped(row[i].text);

@@ -31,15 +31,11 @@ class BlockHtml {
   [[nodiscard]] static std::string script();
 
  private:
-  [[nodiscard]] std::string links_to(const std::string& id) const;
   /// A plot or picture with its title, number and caption around `content`.
   void add_figure(const auto& figure, const std::string& content);
 
   bool files_;
   std::string html_;
-  /// "Figure 3.", "Table 2."
-  [[nodiscard]] static std::string number(const char* what, int number);
-
   int heading_ = 3;               ///< level of a figure's title
   int figures_ = 0, tables_ = 0;  ///< numbered through the page
 };

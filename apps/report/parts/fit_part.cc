@@ -119,8 +119,7 @@ class Fit {
       const std::string unit = answer.unit == "%" ? "" : answer.unit;
       table.rows[i].front() = answer.quantity + (unit.empty() ? "" : ", " + unit);
       table.rows[i].emplace_back(answer.reference ? shown(*answer.reference, 4) : "");
-      part_.json["parameters"][i]["reference"] =
-          answer.reference ? Json(*answer.reference) : Json(nullptr);
+      part_.json["parameters"][i]["reference"] = describe::json_of(answer.reference);
       const bool told = answer.determined && result_.parameters[i].state < 0;
       add_answer(part_, std::move(answer), told);
     }

@@ -166,8 +166,8 @@ Json state_json(const ModalState& state, const std::vector<std::string>& publish
     }
     pairs.push_back(std::move(pair));
   }
-  return {{"tension_N", state.tension_N ? Json(*state.tension_N) : Json(nullptr)},
-          {"EI_Nm2", state.EI_Nm2 ? Json(*state.EI_Nm2) : Json(nullptr)},
+  return {{"tension_N", describe::json_of(state.tension_N)},
+          {"EI_Nm2", describe::json_of(state.EI_Nm2)},
           {"equilibrium", describe::json_of(analysis.equilibrium)},
           {"modes", describe::json_of(analysis.modes)},
           {"relative_error_estimate", state.segments_error},

@@ -29,7 +29,7 @@ void add_recordings(ReportPart& part, const CampaignTest& test,
   std::size_t refused = 0, found = 0;
   for (const auto& entry : loaded) {
     const auto& group = test.recordings[entry.group];
-    std::string at = group.tension_N ? fmt::format("{:g} N", *group.tension_N) : "";
+    std::string at = label_of(group.tension_N);
     if (group.length_m) at += fmt::format("{}{:g} m", at.empty() ? "" : ", ", *group.length_m);
     std::vector<Cell> front{short_name(entry.file), {name_of(group.origin()), group.origin()}, at};
     Json json{{"file", entry.file}, {"origin", word_of(group.origin())}};
@@ -198,8 +198,6 @@ std::string label_of(std::optional<double> tension_N) {
 
 ReportPart overview_part(const Campaign& campaign, const std::vector<ReportPart>& parts) {
   ReportPart part;
-  part.id = "overview";
-  part.title = "Overview";
   const auto largest = std::ranges::max_element(
       campaign.scenes, {}, [](const auto& one) { return one.scene.members.size(); });
   if (largest != campaign.scenes.end()) part.blocks.push_back(rig_picture(largest->scene));

@@ -45,10 +45,6 @@ class TestPart {
 /// The part of a test of any kind, worked out on `threads` threads.
 [[nodiscard]] std::unique_ptr<TestPart> test_part(const Campaign& campaign,
                                                   const CampaignTest& test, int threads);
-/// Recordings of hits, FRFs and modes state by state; then the model's modes against them.
-[[nodiscard]] std::unique_ptr<TestPart> modal_part(const Campaign& campaign,
-                                                   const CampaignTest& test);
-
 /// Modes of a scene against a test, tension by tension: natural modes, measured frequencies paired
 /// with modelled ones, published models beside them. `states`: of the model, by rising tension.
 [[nodiscard]] ReportPart model_part(const Campaign& campaign, const CampaignTest& test,

@@ -8,8 +8,6 @@
 #include <regex>
 #include <thread>
 
-#include "apps/cli/exit_code.h"
-#include "apps/cli/output_file.h"
 #include "tests/apps/apps_test.h"
 #include "tests/temporary_folder.h"
 #include "tests/test.h"
