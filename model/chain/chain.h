@@ -35,8 +35,8 @@ struct ChainOptions {
 struct Segment {
   int a = 0, b = 0;  ///< nodes, in the member's direction
   int member = 0;
-  int frame =
-      -1;  ///< column of ChainState::director; -1: no torsion, both bending stiffnesses equal
+  /// Column of ChainState::director; -1: no torsion, both bending stiffnesses equal.
+  int frame = -1;
   double length = 0;         ///< m, unstretched
   double EA = 0;             ///< N
   double mass = 0;           ///< kg

@@ -10,7 +10,7 @@ namespace {
 constexpr double kParallel = 1e-12;  // difference of unit vectors that rounding of positions leaves
 
 bool rigid_end(const Member& member, int end) {
-  return member.joint[static_cast<std::size_t>(end)] == Member::Joint::rigid &&
+  return member.joint[at(end)] == Member::Joint::rigid &&
          (member.EI[0] > 0 || member.EI[1] > 0 || member.GJ > 0);
 }
 
@@ -61,9 +61,7 @@ ModelReduction reduce_model(const Scene& scene, std::optional<bool> torsion) {
   std::vector<int> rigid(scene.nodes.size(), 0);
   for (std::size_t m = 0; m < ends.size(); ++m) {
     for (int end = 0; end < 2; ++end) {
-      if (rigid_end(scene.members[m], end)) {
-        ++rigid[static_cast<std::size_t>(ends[m][static_cast<std::size_t>(end)])];
-      }
+      if (rigid_end(scene.members[m], end)) ++rigid[at(ends[m][at(end)])];
     }
   }
   reduction.attitude.resize(scene.nodes.size(), NodeAttitude::released);
@@ -87,7 +85,7 @@ ModelReduction reduce_model(const Scene& scene, std::optional<bool> torsion) {
     bool twist_held = false, torque_enters = false;
     for (std::size_t end = 0; end < 2; ++end) {
       if (member.joint[end] != Member::Joint::rigid) continue;
-      const auto node = static_cast<std::size_t>(ends[m][end]);
+      const auto node = at(ends[m][end]);
       const NodeAttitude attitude = reduction.attitude[node];
       if (attitude != NodeAttitude::released ||
           scene.nodes[node].support.kind == Support::Kind::pinned) {
@@ -131,9 +129,7 @@ ModelReduction reduce_model(const Scene& scene, std::optional<bool> torsion) {
     if (!symmetric_about(scene, n, false)) break;
     reduction.planar = true;
     const Vector3d up = (-scene.gravity).normalized();
-    reduction.axes.row(0) = up.cross(n).transpose();
-    reduction.axes.row(1) = up.transpose();
-    reduction.axes.row(2) = n.transpose();
+    reduction.axes << up.cross(n).transpose(), up.transpose(), n.transpose();
     break;
   }
   return reduction;

@@ -63,11 +63,10 @@ struct Member {
   double mass_per_length = 0;  ///< kg/m at the first node
   MassOf mass_of = MassOf::unsaid;
   double EA = 0;  ///< N
-  std::array<double, 2> EI{
-      0, 0};      ///< N m^2 about z (in-plane bending), about the horizontal in-plane axis
-  double GJ = 0;  ///< N m^2
-  double polar_inertia =
-      0;  ///< kg m, about the axis per length; 0: torsion follows without inertia
+  /// N m^2 about z (in-plane bending), about the horizontal in-plane axis.
+  std::array<double, 2> EI{0, 0};
+  double GJ = 0;             ///< N m^2
+  double polar_inertia = 0;  ///< kg m, about the axis per length; 0: torsion without inertia
   /// Diameter at the second node over that at the first, linear between: mass and EA go with its
   /// square, EI, GJ and polar inertia with its fourth power. 1: prismatic.
   double taper = 1;

@@ -56,19 +56,16 @@ class Solver {
     border_.resize(n, k);
     extent_ = (chain.drawn.rowwise().maxCoeff() - chain.drawn.rowwise().minCoeff()).norm();
     support_rounding_.setZero(n);
+    const double rounding = 16 * std::numeric_limits<double>::epsilon();
     const Numbering& numbering = assembly_.numbering();
     for (const NodeSupport& support : chain.supports) {
       const double coordinate = chain.drawn.col(support.node).cwiseAbs().maxCoeff() + extent_;
       for (int axis = 0; axis < 3; ++axis) {
         const int i = numbering.displacement(axis, support.node);
         const double stiffness = support.translational[axis];
-        if (i >= 0)
-          support_rounding_[i] +=
-              16 * std::numeric_limits<double>::epsilon() * stiffness * coordinate;
+        if (i >= 0) support_rounding_[i] += rounding * stiffness * coordinate;
         const int r = support.rotation < 0 ? -1 : numbering.rotation(axis, support.rotation);
-        if (r >= 0)
-          support_rounding_[r] +=
-              16 * std::numeric_limits<double>::epsilon() * support.rotational.maxCoeff();
+        if (r >= 0) support_rounding_[r] += rounding * support.rotational.maxCoeff();
       }
     }
   }
@@ -206,10 +203,8 @@ class Solver {
     }
     const Eigen::Matrix3Xi& rotation = assembly_.numbering().rotation;
     for (Index i = 0; i < rotation.size(); ++i) {
-      if (rotation(i) >= 0) {
-        const double turn = std::abs(column_[rotation(i)]);
-        if (turn * factor > 0.5) factor = 0.5 / turn;
-      }
+      const double turn = rotation(i) >= 0 ? std::abs(column_[rotation(i)]) : 0;
+      if (turn * factor > 0.5) factor = 0.5 / turn;
     }
     for (Index i = 0; i < lengths_.size(); ++i) {
       const double part = std::abs(lengths_[i]) /
@@ -249,9 +244,8 @@ class Solver {
   EnvelopeMatrix tangent_;
   std::vector<int> targets_;
   VectorXd force_, column_, axial_, mismatch_, lengths_, diagonal_;
-  VectorXd support_rounding_;  ///< rounding of the supports' spring forces
-  MatrixXd gradient_,
-      border_;  // gradients of the targets' tensions, forces by their lengths
+  VectorXd support_rounding_;   ///< rounding of the supports' spring forces
+  MatrixXd gradient_, border_;  // gradients of the targets' tensions, forces by their lengths
   BorderedSolver bordered_;
   double extent_ = 0, unbalanced_ = 0, scale_ = 0, rounding_ = 0;
 };
