@@ -451,19 +451,21 @@ class Reader {
       for (const auto& name : names(scene_.nodes)) taken.insert(name);
       for (const auto& name : names(scene_.members)) taken.insert(name);
     }
+    std::vector<TomlTable> loads = root_.tables_or_empty("load");
+    std::vector<TomlTable> sensors = root_.tables_or_empty("sensor");
+    root_.finish();  // a misspelt [[node]] is that before it is a member without nodes
     check_members();
     const auto folder = std::filesystem::path(scene_.file).parent_path();
-    for (TomlTable& table : root_.tables_or_empty("load")) {
+    for (TomlTable& table : loads) {
       scene_.loads.push_back(read_load(table, scene_.loads.size(), folder, scene_.gravity));
       claim(taken, scene_.loads.back().name, table);
       check_place(scene_.loads.back().place, table);
     }
-    for (TomlTable& table : root_.tables_or_empty("sensor")) {
+    for (TomlTable& table : sensors) {
       scene_.sensors.push_back(read_sensor(table, scene_.sensors.size()));
       claim(sensors_taken, scene_.sensors.back().name, table, "give each sensor a name of its own");
       check_place(scene_.sensors.back().place, table);
     }
-    root_.finish();
   }
 
   void read_conditions() {
