@@ -249,7 +249,8 @@ void repeat(Scene& scene, TomlTable& table) {
     }
     for (const auto& node : member->nodes) {
       if (!find(scene.nodes, node)) {
-        throw table.error("members", "\"" + name + "\" ends at \"" + node + "\", which is no node",
+        throw table.error("members",
+                          fmt::format("\"{}\" ends at \"{}\", which is no node", name, node),
                           "add the node");
       }
       if (std::find(nodes.begin(), nodes.end(), node) == nodes.end()) nodes.push_back(node);
@@ -368,8 +369,8 @@ Sensor read_sensor(TomlTable& table, std::size_t index) {
   sensor.name = name_in(table, fmt::format("sensor-{}", index + 1));
   sensor.place = read_place(table);
   sensor.direction = unit_vector(table, "direction", {0, 1, 0});
-  std::vector<std::string> words;
-  for (const SensorQuantity& one : kSensorQuantities) words.emplace_back(one.name);
+  std::vector<std::string> words(std::size(kSensorQuantities));
+  std::ranges::transform(kSensorQuantities, words.begin(), &SensorQuantity::name);
   const std::string word = table.choice_or("quantity", words, words.front());
   sensor.quantity = static_cast<Sensor::Quantity>(std::ranges::find(words, word) - words.begin());
   if (described(sensor.quantity).reading == SensorReading::axial_force &&
@@ -410,8 +411,8 @@ class Reader {
  private:
   template <class T>
   static std::vector<std::string> names(const std::vector<T>& things) {
-    std::vector<std::string> result;
-    for (const auto& thing : things) result.push_back(thing.name);
+    std::vector<std::string> result(things.size());
+    std::ranges::transform(things, result.begin(), &T::name);
     return result;
   }
 

@@ -63,7 +63,7 @@ AxialCampaignResult find(const AxialInputs& inputs, std::size_t index) {
     add_notes(notes, found.findings, where);
     found.decays.push_back(std::move(d));
   }
-  if (found.decays.empty()) refused({"no_decay", "holds no decay", entry.name, true});
+  if (found.decays.empty()) return refused({"no_decay", "holds no decay", entry.name, true});
   return found;
 }
 
