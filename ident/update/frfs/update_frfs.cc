@@ -16,7 +16,8 @@ namespace {
 
 // FRFs of one test share their lines: solved once for all of them, which follow each other.
 bool solved_together(const MeasuredFrf& a, const MeasuredFrf& b) {
-  return a.decay_rate_1_s == b.decay_rate_1_s && a.frequency_hz == b.frequency_hz;
+  return a.decay_rate_1_s == b.decay_rate_1_s && a.frequency_hz.size() == b.frequency_hz.size() &&
+         a.frequency_hz == b.frequency_hz;
 }
 
 const double kRateStep = std::sqrt(std::numeric_limits<double>::epsilon());
