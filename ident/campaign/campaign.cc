@@ -58,15 +58,13 @@ bool apply_fit(const CampaignResult& so_far, std::size_t index, std::optional<do
   const auto& fit = so_far.fits.at(index);
   const auto& result = fit.result;
   if (fit.states.empty() || result.status != UpdateStatus::converged) return false;
-  std::size_t from = 0;
-  bool own = false;
-  for (std::size_t s = 0; s < fit.states.size(); ++s) {
-    if (same_tension(fit.states[s]->tension_N, tension_N)) from = s, own = true;
-  }
+  std::vector<std::optional<double>> tensions;
+  for (const auto* state : fit.states) tensions.push_back(state->tension_N);
+  const auto own = state_at(tensions, tension_N);
   for (const auto& parameter : so_far.inputs.fits[index].free) {
     if (!own && parameter.per_state) continue;
     for (const auto& name : parameter.all_targets()) {
-      model::set_parameter(scene, name, model::parameter(result.scenes[from], name));
+      model::set_parameter(scene, name, model::parameter(result.scenes[own.value_or(0)], name));
     }
   }
   return true;

@@ -194,8 +194,8 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   VectorXd residuals(n + 1), by_place(n + 1);
   RowMajor by_law(n + 1, size);
   const double* const at[] = {best.data(), &best_place};
-  double* const by[] = {by_law.data(), by_place.data()};
-  (void)cost.Evaluate(at, residuals.data(), const_cast<double**>(by));
+  double* by[] = {by_law.data(), by_place.data()};
+  (void)cost.Evaluate(at, residuals.data(), by);
   MatrixXd jacobian(n + 1, p + 1);
   jacobian << by_law(Eigen::all, free), by_place;
 

@@ -31,13 +31,11 @@ void add_published(std::vector<ModalState>& states, const PublishedMode& publish
   MeasuredRow row;
   row.frequency_hz.value = published.measured_hz;
   row.models_hz = published.models_hz;
-  auto state = std::ranges::find_if(
-      states, [&](const auto& one) { return same_tension(one.tension_N, published.tension_N); });
-  if (state == states.end()) {
-    state = states.insert(state, ModalState());
-    state->tension_N = published.tension_N;
-  }
-  state->rows.push_back(std::move(row));
+  std::vector<std::optional<double>> tensions;
+  for (const ModalState& state : states) tensions.push_back(state.tension_N);
+  const auto state = state_at(tensions, published.tension_N);
+  if (!state) states.emplace_back().tension_N = published.tension_N;
+  states[state.value_or(tensions.size())].rows.push_back(std::move(row));
 }
 
 double typical_segments_error(const model::ModalAnalysis& analysis) {
@@ -169,8 +167,16 @@ Instrumented instrumented(model::Scene scene, const ModalInputs& test,
   return rig;
 }
 
-bool same_tension(std::optional<double> a, std::optional<double> b) {
-  return a.has_value() == b.has_value() && (!a || std::abs(*a - *b) <= 0.005 * *b);
+std::optional<std::size_t> state_at(const std::vector<std::optional<double>>& tensions,
+                                    std::optional<double> tension_N) {
+  std::optional<std::size_t> nearest;
+  double least = 0.005 * tension_N.value_or(0);
+  for (std::size_t s = 0; s < tensions.size(); ++s) {
+    if (tensions[s].has_value() != tension_N.has_value()) continue;
+    const double apart = std::abs(tensions[s].value_or(0) - tension_N.value_or(0));
+    if (apart <= least) least = apart, nearest = s;
+  }
+  return nearest;
 }
 
 std::string state_label(std::optional<double> tension_N) {

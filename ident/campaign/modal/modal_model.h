@@ -91,13 +91,15 @@ struct ModalState {
   std::vector<MeasuredRow> rows;
 };
 
-/// Whether both have none, or agree to a part in 200.
-[[nodiscard]] bool same_tension(std::optional<double> a, std::optional<double> b);
+/// The state whose tension is nearest, within a part in 200, or that has none either; empty: there
+/// is none. `tensions`: by state.
+[[nodiscard]] std::optional<std::size_t> state_at(
+    const std::vector<std::optional<double>>& tensions, std::optional<double> tension_N);
 /// "200 N", or "as built" without a tension.
 [[nodiscard]] std::string state_label(std::optional<double> tension_N);
 
 /// Modes of the test's scene at every state that has modes, by rising tension, and their pairing.
-/// `recorded` must outlive the result. A published mode belongs to the first state of its tension.
+/// `recorded` must outlive the result. A published mode belongs to the state at its tension.
 [[nodiscard]] std::vector<ModalState> modal_states(const ModalInputs& test,
                                                    const KnownValues& known,
                                                    const std::vector<ModalTestState>& recorded);

@@ -71,10 +71,11 @@ void add_recorded_modes(const TensionInputs& inputs, const TestRecording& record
                      "unlike that of a resonance driven by noise; left out",
                      fmt::join(tones, ", "));
   }
-  if (campaign.peaks.size() == before) {
-    findings.push_back(refusal.empty()
-                           ? Finding{"no_modes", "no mode stands out of the noise", name}
-                           : Finding{"no_modes", refusal, "", true});
+  const bool none = campaign.peaks.size() == before;
+  if (!refusal.empty()) {
+    findings.push_back({"no_modes", refusal, "", none});
+  } else if (none) {
+    findings.push_back({"no_modes", "no mode stands out of the noise", name});
   }
 }
 

@@ -42,6 +42,7 @@ std::string in_state(const UpdateState& state) {
 UpdateProblem UpdateProblem::with_hits(VectorXd& q) const {
   UpdateProblem other = *this;
   if (!has_frfs()) return other;
+  other.last_ = std::make_shared<LastModes>();  // its coordinates depend on q
   other.add_places_of_hits(q);
   other.add_forces();
   const Index before = q.size();

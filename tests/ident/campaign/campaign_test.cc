@@ -98,13 +98,15 @@ TEST(Campaign, RecordedStatesNearOneTensionKeepTheirOwnChannels) {
   const auto inputs = campaign(0.05);
   std::vector<ModalTestState> recorded(2);
   for (std::size_t s : {0u, 1u}) {
-    recorded[s].tension_N = 100 + 0.2 * static_cast<double>(s);
+    recorded[s].tension_N = 99.8 + 0.2 * static_cast<double>(s);
     recorded[s].modal.emplace().model.modes.resize(1 + s);
   }
   const auto states = modal_states(std::get<ModalInputs>(inputs.tests[1]), {}, recorded);
   ASSERT_EQ(states.size(), 3u);  // and 300 N, published
   EXPECT_EQ(states[0].recorded, &recorded[0]);
   EXPECT_EQ(states[1].recorded, &recorded[1]);
+  EXPECT_EQ(states[0].rows.size(), 1u);  // what was published at 100 N is the second's
+  EXPECT_GT(states[1].rows.size(), 2u);
 }
 
 TEST(Campaign, DecaysAreThoseOfTheDecayTestAndAMissingChannelIsRefused) {
