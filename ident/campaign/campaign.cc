@@ -58,8 +58,9 @@ bool apply_fit(const CampaignResult& so_far, std::size_t index, std::optional<do
   const auto& fit = so_far.fits.at(index);
   const auto& result = fit.result;
   if (fit.states.empty() || result.status != UpdateStatus::converged) return false;
-  std::vector<std::optional<double>> tensions;
-  for (const auto* state : fit.states) tensions.push_back(state->tension_N);
+  std::vector<std::optional<double>> tensions(fit.states.size());
+  std::ranges::transform(fit.states, tensions.begin(),
+                         [](const auto& state) { return state->tension_N; });
   const auto own = state_at(tensions, tension_N);
   for (const auto& parameter : so_far.inputs.fits[index].free) {
     if (!own && parameter.per_state) continue;

@@ -31,8 +31,8 @@ void add_published(std::vector<ModalState>& states, const PublishedMode& publish
   MeasuredRow row;
   row.frequency_hz.value = published.measured_hz;
   row.models_hz = published.models_hz;
-  std::vector<std::optional<double>> tensions;
-  for (const ModalState& state : states) tensions.push_back(state.tension_N);
+  std::vector<std::optional<double>> tensions(states.size());
+  std::ranges::transform(states, tensions.begin(), &ModalState::tension_N);
   const auto state = state_at(tensions, published.tension_N);
   if (!state) states.emplace_back().tension_N = published.tension_N;
   states[state.value_or(tensions.size())].rows.push_back(std::move(row));
